@@ -1,0 +1,5 @@
+"""Entry of ``python -m closecall``."""
+
+from .cli.main import main
+
+main()
