@@ -1,0 +1,236 @@
+"""The motions between a body and an ancestor frame, composed: where the body is, and how far its points can get."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import inf
+
+import numpy as np
+
+from .motions import Axis, Fixed, Motion, Rates, Reach
+from .rotation import FloatArray, mapped, translation_of, turned
+from .scene import Body
+from .vector import ZERO, Vector, add, cross, distance_to_line, norm
+
+_WORLD: FloatArray = np.eye(4)
+
+
+@dataclass(frozen=True, slots=True)
+class Ball:
+    """All points within `radius` (m) of `centre`."""
+
+    centre: Vector
+    radius: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Joint:
+    """A motion and its rest frame, seen from the moved frame of the joint above (4x4, above_from_rest)."""
+
+    rest: FloatArray
+    motion: Motion
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Extent:
+    """A body's points in its own frame: those that span it, each rounded by its radius, and a ball around all.
+
+    Attributes:
+        points: (n, 3) m.
+        radii: (n,) m, each point stands for the ball of this radius about it.
+    """
+
+    points: FloatArray
+    radii: FloatArray
+    ball: Ball
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Moment:
+    """A chain at one time.
+
+    Attributes:
+        pose: 4x4, ancestor_from_body.
+        centre: of the body's ball, in the ancestor's frame.
+        reaches: of the body's points in each joint's moved frame, everything below frozen at `time`.
+        frames: 4x4 a joint, ancestor_from_rest of it.
+    """
+
+    time: float
+    pose: FloatArray
+    centre: Vector
+    reaches: tuple[Reach, ...]
+    frames: tuple[FloatArray, ...]
+
+
+class Chain:
+    """The motions that carry a body relative to an ancestor, outermost first."""
+
+    def __init__(self, joints: tuple[Joint, ...], tail: FloatArray, extent: Extent) -> None:
+        """Join `joints`; `tail` is the last moved frame's view of the body (4x4)."""
+        self.joints = joints
+        self.tail = tail
+        self.ball = extent.ball
+        self._last_centre = mapped(tail, extent.ball.centre)
+        self._last_reach = _exact_reach(joints[-1].motion.axis, tail, extent) if joints else None
+
+    def at(self, t: float) -> Moment:
+        """Return the chain's pose and reaches at t."""
+        if not self.joints:
+            return self._still
+        placed: list[FloatArray] = [joint.rest @ joint.motion.pose(t) for joint in self.joints]
+        reaches: list[Reach] = []
+        centre = self._last_centre
+        for joint, pose in zip(reversed(self.joints), reversed(placed), strict=True):
+            reaches.append(_ball_reach(joint.motion.axis, centre, self.ball.radius) if reaches else self._own_reach)
+            centre = mapped(pose, centre)
+        frames: list[FloatArray] = []
+        above: FloatArray | None = None
+        for joint, pose in zip(self.joints, placed, strict=True):
+            frames.append(joint.rest if above is None else above @ joint.rest)
+            above = pose if above is None else above @ pose
+        assert above is not None
+        return Moment(t, above @ self.tail, centre, tuple(reversed(reaches)), tuple(frames))
+
+    def displacement(self, moment: Moment, duration: float) -> float:
+        """Return D >= |x(t + s) - x(t)| (m) of every point of the body in the ancestor's frame, 0 <= s <= duration.
+
+        Exact telescoping over the joints, each with the reach of the points while everything below is frozen.
+        """
+        total = 0.0
+        for joint, reach in zip(self.joints, moment.reaches, strict=True):
+            total += joint.motion.displacement(moment.time, duration, reach)
+        return total
+
+    def path_length(self, moment: Moment, duration: float) -> float:
+        """Return L >= the arc length (m) of any point of the body in the ancestor's frame over [t, t + duration].
+
+        The speed that a joint gives a point depends on where the joints below have carried it by then: the reach of
+        each joint grows by their displacement.
+        """
+        total = below = 0.0
+        for joint, reach in zip(reversed(self.joints), reversed(moment.reaches), strict=True):
+            grown = Reach(reach.radius + below, reach.axis_radius + below)
+            total += joint.motion.path_length(moment.time, duration, grown)
+            below += joint.motion.displacement(moment.time, duration, reach)
+        return total
+
+    def velocities(self, moment: Moment) -> tuple[Vector, Vector]:
+        """Return the last moved frame's origin velocity (m/s) and angular velocity (rad/s) in the ancestor's frame."""
+        v, w, above = ZERO, ZERO, _WORLD
+        for index, joint in enumerate(self.joints):
+            frame = moment.frames[index]
+            local_v, local_w = joint.motion.velocities(moment.time)
+            arm = turned(above, translation_of(joint.rest @ joint.motion.pose(moment.time)))
+            v = add(add(v, cross(w, arm)), turned(frame, local_v))
+            w = add(w, turned(frame, local_w))
+            above = frame @ joint.motion.pose(moment.time)
+        return v, w
+
+    def rates(self, moment: Moment, duration: float) -> Rates:
+        """Return suprema over [t, t + duration] of the last moved frame's rates in the ancestor's frame.
+
+        Row 'chain, speeds': V = V_P + W_P L + V', A = A_P + (al_P + W_P^2) L + 2 W_P V' + A', and so on, L the
+        farthest that the child's origin gets from its parent's. The steady part survives only a lone joint.
+        """
+        if len(self.joints) == 1:
+            rates = self.joints[0].motion.rates(moment.time, duration)
+            return rates._replace(steady=turned(moment.frames[0], rates.steady))
+        speed = acceleration = spin = spin_up = 0.0
+        for joint in self.joints:
+            rates = joint.motion.rates(moment.time, duration)
+            arm = norm(translation_of(joint.rest @ joint.motion.pose(moment.time)))
+            arm += joint.motion.displacement(moment.time, duration, origin_reach(joint.motion))
+            speed += spin * arm + rates.speed
+            acceleration += (spin_up + spin**2) * arm + 2.0 * spin * rates.speed
+            acceleration += rates.acceleration + norm(rates.steady)
+            spin_up += rates.angular_acceleration + spin * rates.angular_speed
+            spin += rates.angular_speed
+        return Rates(speed, acceleration, spin, spin_up)
+
+    @property
+    def radius(self) -> float:
+        """The farthest (m) that a point of the body lies from the last moved frame's origin."""
+        return self._own_reach.radius if self.joints else 0.0
+
+    def knot_after(self, t: float) -> float:
+        """Return the first time > t at which a rate of any joint jumps (inf: none)."""
+        return min((joint.motion.knot_after(t) for joint in self.joints), default=inf)
+
+    def stop_after(self, t: float) -> float:
+        """Return the first time > t at which the pair must wake for a jump of any joint (inf: none)."""
+        return min((joint.motion.stop_after(t) for joint in self.joints), default=inf)
+
+    def rounding(self, latest: float) -> float:
+        """Return how far (m) floating point may misplace a point of the body, for |t| <= latest.
+
+        8 eps times the size of every term of every pose, with the points' reach for the radius of each turn.
+        """
+        size = 0.0
+        reach = norm(self._last_centre) + self.ball.radius
+        for joint in reversed(self.joints):
+            size += joint.motion.rounding_scale(latest, reach) + reach
+            reach += joint.motion.extent(latest) + norm(translation_of(joint.rest))
+        return 8.0 * float(np.finfo(float).eps) * (size + reach)
+
+    @property
+    def _own_reach(self) -> Reach:
+        assert self._last_reach is not None
+        return self._last_reach
+
+    @cached_property
+    def _still(self) -> Moment:
+        return Moment(0.0, self.tail, self._last_centre, (), ())
+
+
+def origin_reach(motion: Motion) -> Reach:
+    """Return the reach of the moved frame's origin alone."""
+    axis = motion.axis
+    return Reach(0.0, 0.0 if axis is None else distance_to_line(ZERO, axis.point, axis.direction))
+
+
+def lineage(bodies: tuple[Body, ...], body: int) -> tuple[int, ...]:
+    """Return the body and its ancestors, nearest first."""
+    line = [body]
+    while (parent := bodies[line[-1]].parent) is not None:
+        line.append(parent)
+    return tuple(line)
+
+
+def common_ancestor(bodies: tuple[Body, ...], a: int, b: int) -> int | None:
+    """Return the lowest common ancestor, which may be a or b itself; None for the world."""
+    above_b = set(lineage(bodies, b))
+    return next((body for body in lineage(bodies, a) if body in above_b), None)
+
+
+def chain_to(bodies: tuple[Body, ...], body: int, ancestor: int | None, extent: Extent) -> Chain:
+    """Return the chain of `body` seen from `ancestor` (None: the world), motionless stretches multiplied together."""
+    joints: list[Joint] = []
+    fixed = np.eye(4)
+    line = lineage(bodies, body)
+    stretch = line if ancestor is None else line[: line.index(ancestor)]
+    for index in reversed(stretch):
+        fixed = fixed @ bodies[index].pose
+        if not isinstance(bodies[index].motion, Fixed):
+            joints.append(Joint(fixed, bodies[index].motion))
+            fixed = np.eye(4)
+    return Chain(tuple(joints), fixed, extent)
+
+
+def _exact_reach(axis: Axis | None, tail: FloatArray, extent: Extent) -> Reach:
+    """Return the reach of the body's own points in the last moved frame."""
+    points = extent.points @ tail[:3, :3].T + tail[:3, 3]
+    radius = float(np.max(np.linalg.norm(points, axis=1) + extent.radii))
+    if axis is None:
+        return Reach(radius, radius)
+    arms = np.cross(points - np.array(axis.point), np.array(axis.direction))
+    return Reach(radius, float(np.max(np.linalg.norm(arms, axis=1) + extent.radii)))
+
+
+def _ball_reach(axis: Axis | None, centre: Vector, radius: float) -> Reach:
+    """Return the reach of a ball."""
+    farthest = norm(centre) + radius
+    if axis is None:
+        return Reach(farthest, farthest)
+    return Reach(farthest, distance_to_line(centre, axis.point, axis.direction) + radius)

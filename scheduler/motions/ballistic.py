@@ -1,0 +1,96 @@
+"""Free flight: constant acceleration and constant spin."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import hypot, sqrt
+
+from ..rotation import FloatArray, chord, transform, turn
+from ..vector import ZERO, Vector, add, dot, norm, scale, subtract, unit
+from .base import Axis, Rates, Reach, Smooth
+
+
+@dataclass(frozen=True, slots=True)
+class Ballistic(Smooth):
+    """translate(velocity t + acceleration t^2 / 2) * rotate(angular_velocity t)."""
+
+    velocity: Vector
+    acceleration: Vector
+    angular_velocity: Vector
+
+    @property
+    def axis(self) -> Axis | None:
+        """The spin axis, through the origin."""
+        return Axis(ZERO, unit(self.angular_velocity))
+
+    def pose(self, t: float) -> FloatArray:
+        """Return rest_from_moved, 4x4."""
+        spin = norm(self.angular_velocity)
+        path = add(scale(t, self.velocity), scale(0.5 * t * t, self.acceleration))
+        return transform(turn(unit(self.angular_velocity), spin * t), path)
+
+    def displacement(self, t: float, duration: float, reach: Reach) -> float:
+        """Row 'ballistic' with the addition for a spin; without acceleration row 'constant velocity v + spin w'."""
+        velocity, _ = self.velocities(t)
+        swept = chord(norm(self.angular_velocity) * duration, reach.axis_radius)
+        if self.acceleration == ZERO:
+            along, across = _split(velocity, self.angular_velocity)
+            return hypot(along * duration, across * duration + swept)
+        return _ballistic_displacement(velocity, self.acceleration, duration) + swept
+
+    def path_length(self, t: float, duration: float, reach: Reach) -> float:
+        """Speed is convex in t, so the trapezoid over its ends is above its integral."""
+        spin = norm(self.angular_velocity) * reach.axis_radius
+        if self.acceleration == ZERO:
+            along, across = _split(self.velocity, self.angular_velocity)
+            return hypot(along, across + spin) * duration
+        first, last = norm(self.velocities(t)[0]), norm(self.velocities(t + duration)[0])
+        return (0.5 * (first + last) + spin) * duration
+
+    def velocities(self, t: float) -> tuple[Vector, Vector]:
+        """Return v(t) of the origin and the constant spin."""
+        return add(self.velocity, scale(t, self.acceleration)), self.angular_velocity
+
+    def rates(self, t: float, duration: float) -> Rates:
+        """Row 'ballistic': the speed's maximum is at one end; the acceleration is all steady."""
+        speed = max(norm(self.velocities(t)[0]), norm(self.velocities(t + duration)[0]))
+        return Rates(speed, 0.0, norm(self.angular_velocity), 0.0, self.acceleration)
+
+    def extent(self, latest: float) -> float:
+        """Return |v| t + |a| t^2 / 2."""
+        return norm(self.velocity) * latest + 0.5 * norm(self.acceleration) * latest * latest
+
+    def rounding_scale(self, latest: float, radius: float) -> float:
+        """The translation's terms, and the spin's angle at `radius`."""
+        return self.extent(latest) + radius * (1.0 + norm(self.angular_velocity) * latest)
+
+
+def Constant(velocity: Vector, angular_velocity: Vector) -> Ballistic:  # noqa: N802
+    """Return translate(velocity t) * rotate(angular_velocity t), the ballistic motion without acceleration."""
+    return Ballistic(velocity, ZERO, angular_velocity)
+
+
+def _split(v: Vector, axis: Vector) -> tuple[float, float]:
+    """Return |v| along and across `axis`; all across where the axis is zero."""
+    if axis == ZERO:
+        return 0.0, norm(v)
+    direction = unit(axis)
+    along = dot(v, direction)
+    return abs(along), norm(subtract(v, scale(along, direction)))
+
+
+def _ballistic_displacement(v: Vector, a: Vector, duration: float) -> float:
+    """Return the largest |v s + a s^2 / 2| over [0, duration]: at the end, or where its derivative vanishes."""
+
+    def offset(s: float) -> float:
+        return norm(add(scale(s, v), scale(0.5 * s * s, a)))
+
+    aa, va, vv = dot(a, a), dot(v, a), dot(v, v)
+    largest = offset(duration)
+    discriminant = 9.0 * va * va - 8.0 * aa * vv
+    if va < 0.0 < aa and discriminant >= 0.0:
+        for sign in (-1.0, 1.0):
+            root = (-3.0 * va + sign * sqrt(discriminant)) / (2.0 * aa)
+            if 0.0 < root < duration:
+                largest = max(largest, offset(root))
+    return largest

@@ -1,0 +1,163 @@
+"""Sinusoidal motions: sliding to and fro, swinging about a hinge."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, floor, hypot, pi, sin, sqrt
+
+from ..rotation import IDENTITY, FloatArray, apply, chord, transform, turn, turned_about
+from ..vector import ZERO, Vector, cross, distance_to_line, norm, scale
+from .base import Axis, Rates, Reach, Smooth
+
+
+@dataclass(frozen=True, slots=True)
+class Harmonic(Smooth):
+    """translate(direction * amplitude * sin(2 pi t / period + phase)); `direction` is a unit vector."""
+
+    direction: Vector
+    amplitude: float
+    period: float
+    phase: float
+
+    @property
+    def axis(self) -> Axis | None:
+        """None: nothing turns."""
+        return None
+
+    def pose(self, t: float) -> FloatArray:
+        """Return rest_from_moved, 4x4."""
+        offset = self.amplitude * sin(_phase(self, t))
+        return transform(IDENTITY, scale(offset, self.direction))
+
+    def displacement(self, t: float, duration: float, reach: Reach) -> float:
+        """Row 'harmonic' (exact)."""
+        return abs(self.amplitude) * _sine_departure(_phase(self, t), _phase(self, t + duration))
+
+    def path_length(self, t: float, duration: float, reach: Reach) -> float:
+        """The sine's total variation (exact)."""
+        return abs(self.amplitude) * _sine_variation(_phase(self, t), _phase(self, t + duration))
+
+    def velocities(self, t: float) -> tuple[Vector, Vector]:
+        """Return amplitude w cos(...) along the direction, no spin."""
+        rate = self.amplitude * _frequency(self) * sin(_phase(self, t) + 0.5 * pi)
+        return scale(rate, self.direction), ZERO
+
+    def rates(self, t: float, duration: float) -> Rates:
+        """Speed and acceleration by the largest |cos| and |sin| over the interval."""
+        w = _frequency(self)
+        largest_sin, largest_cos, _ = _phase_extremes(_phase(self, t), _phase(self, t + duration))
+        size = abs(self.amplitude)
+        return Rates(size * w * largest_cos, size * w * w * largest_sin, 0.0, 0.0)
+
+    def extent(self, latest: float) -> float:
+        """Return the amplitude."""
+        return abs(self.amplitude)
+
+    def rounding_scale(self, latest: float, radius: float) -> float:
+        """The amplitude times the phase's size."""
+        return abs(self.amplitude) * (1.0 + _frequency(self) * latest + abs(self.phase)) + radius
+
+
+@dataclass(frozen=True, slots=True)
+class Swing(Smooth):
+    """Rotate about the unit `axis_direction` through `point` by amplitude (rad) * sin(2 pi t / period + phase)."""
+
+    axis_direction: Vector
+    point: Vector
+    amplitude: float
+    period: float
+    phase: float
+
+    @property
+    def axis(self) -> Axis | None:
+        """The hinge."""
+        return Axis(self.point, self.axis_direction)
+
+    def pose(self, t: float) -> FloatArray:
+        """Return rest_from_moved, 4x4."""
+        return turned_about(self.axis_direction, self.point, self._angle(t), ZERO)
+
+    def displacement(self, t: float, duration: float, reach: Reach) -> float:
+        """Row 'swing': the angle as the harmonic, the chord it subtends."""
+        angle = abs(self.amplitude) * _sine_departure(_phase(self, t), _phase(self, t + duration))
+        return chord(angle, reach.axis_radius)
+
+    def path_length(self, t: float, duration: float, reach: Reach) -> float:
+        """The angle's total variation times the radius (exact)."""
+        angle = abs(self.amplitude) * _sine_variation(_phase(self, t), _phase(self, t + duration))
+        return angle * reach.axis_radius
+
+    def velocities(self, t: float) -> tuple[Vector, Vector]:
+        """Return the origin's velocity on its arc and the angular velocity."""
+        rate = self.amplitude * _frequency(self) * sin(_phase(self, t) + 0.5 * pi)
+        spin = scale(rate, self.axis_direction)
+        arm = apply(turn(self.axis_direction, self._angle(t)), scale(-1.0, self.point))
+        return cross(spin, arm), spin
+
+    def rates(self, t: float, duration: float) -> Rates:
+        """Row 'swing': the acceleration squared is convex in x = sin^2 of the phase: the ends of x's range decide."""
+        w, size = _frequency(self), abs(self.amplitude)
+        radius = distance_to_line(ZERO, self.point, self.axis_direction)
+        largest_sin, largest_cos, least_sin = _phase_extremes(_phase(self, t), _phase(self, t + duration))
+
+        def acceleration(x: float) -> float:
+            return radius * hypot(size * w * w * sqrt(x), (size * w) ** 2 * (1.0 - x))
+
+        bound = max(acceleration(largest_sin**2), acceleration(least_sin**2))
+        spin = size * w * largest_cos
+        return Rates(radius * spin, bound, spin, size * w * w * largest_sin)
+
+    def extent(self, latest: float) -> float:
+        """Return 2 |point|."""
+        return 2.0 * norm(self.point)
+
+    def rounding_scale(self, latest: float, radius: float) -> float:
+        """The swing's arc times the phase's size, at the farthest of the points and the axis point."""
+        size = abs(self.amplitude)
+        farthest = radius + norm(self.point)
+        return self.extent(latest) + farthest * (1.0 + size * (2.0 + _frequency(self) * latest + abs(self.phase)))
+
+    def _angle(self, t: float) -> float:
+        return self.amplitude * sin(_phase(self, t))
+
+
+def _frequency(motion: Harmonic | Swing) -> float:
+    """Return rad/s."""
+    return 2.0 * pi / motion.period
+
+
+def _phase(motion: Harmonic | Swing, t: float) -> float:
+    """Return the sine's argument, rad."""
+    return 2.0 * pi * t / motion.period + motion.phase
+
+
+def _crosses(first: float, last: float, offset: float, step: float) -> bool:
+    """Tell whether offset + k step lies in [first, last] for some integer k."""
+    return offset + step * ceil((first - offset) / step) <= last
+
+
+def _sine_departure(first: float, last: float) -> float:
+    """Return the largest |sin(x) - sin(first)| over x in [first, last]."""
+    here, there = sin(first), sin(last)
+    highest = 1.0 if _crosses(first, last, 0.5 * pi, 2.0 * pi) else max(here, there)
+    lowest = -1.0 if _crosses(first, last, -0.5 * pi, 2.0 * pi) else min(here, there)
+    return max(highest - here, here - lowest)
+
+
+def _sine_variation(first: float, last: float) -> float:
+    """Return the integral of |cos| over [first, last]."""
+
+    def variation(x: float) -> float:
+        half_turns = floor(x / pi + 0.5)
+        return 2.0 * half_turns + (sin(x) if half_turns % 2 == 0 else -sin(x))
+
+    return max(0.0, variation(last) - variation(first))
+
+
+def _phase_extremes(first: float, last: float) -> tuple[float, float, float]:
+    """Return the largest |sin|, the largest |cos| and the least |sin| over [first, last]."""
+    sines = abs(sin(first)), abs(sin(last))
+    cosines = abs(sin(first + 0.5 * pi)), abs(sin(last + 0.5 * pi))
+    largest_sin = 1.0 if _crosses(first, last, 0.5 * pi, pi) else max(sines)
+    crosses_zero = _crosses(first, last, 0.0, pi)
+    return largest_sin, 1.0 if crosses_zero else max(cosines), 0.0 if crosses_zero else min(sines)

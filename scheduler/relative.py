@@ -1,0 +1,149 @@
+"""The relative motion of a pair, seen from its lowest common ancestor: what common motion there is has cancelled."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf
+from typing import NamedTuple
+
+from .bounds import longest_sleep, shortened, spendable, time_bound, two_sided_clearance
+from .chain import Chain, Moment
+from .events import Bound
+from .vector import norm, subtract
+
+#: The lecture's bound looks this many times as far ahead as the displacement bound sleeps: farther only loosens it.
+LOOKAHEAD = 4.0
+#: Relative to the two speeds, what their difference may lose to rounding.
+CANCELLATION = 1e-13
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Moments:
+    """Both chains of a pair at one time."""
+
+    a: Moment
+    b: Moment
+
+
+class Approach(NamedTuple):
+    """The lecture's v and a of a pair: over ALL pairs of points, v (m/s) now and a (m/s^2) until the horizon (s)."""
+
+    speed: float
+    acceleration: float
+    horizon: float
+
+    def distance(self, duration: float) -> float:
+        """Return the farthest (m) any point gets relative to any other within `duration`; inf past the horizon."""
+        if duration > self.horizon:
+            return inf
+        return self.speed * duration + 0.5 * self.acceleration * duration**2
+
+
+class Proof(NamedTuple):
+    """What is certain of the time between two measurements.
+
+    Attributes:
+        clearance: m, lower bound on the distance; touching is excluded where it is > 0.
+        depth_limit: m, no point of one solid gets deeper than this into the other.
+    """
+
+    clearance: float
+    depth_limit: float
+
+
+class RelativeMotion:
+    """How the two bodies of a pair move relative to each other."""
+
+    def __init__(self, a: Chain, b: Chain) -> None:
+        """Take both chains, seen from the same ancestor."""
+        self.a = a
+        self.b = b
+
+    @property
+    def rigid(self) -> bool:
+        """Whether the two can never move relative to each other, so that they are never paired."""
+        return not self.a.joints and not self.b.joints
+
+    def at(self, t: float) -> Moments:
+        """Return both chains at t."""
+        return Moments(self.a.at(t), self.b.at(t))
+
+    def stop_after(self, t: float) -> float:
+        """Return the first time > t that must not be slept past: a jump, or the last float before it."""
+        return min(self.a.stop_after(t), self.b.stop_after(t))
+
+    def rounding(self, latest: float) -> float:
+        """Return how far (m) floating point may falsify a distance, for |t| <= latest."""
+        return self.a.rounding(latest) + self.b.rounding(latest)
+
+    def displacement(self, moments: Moments, duration: float) -> float:
+        """Return D_A + D_B (m), non-decreasing in `duration`."""
+        return self.a.displacement(moments.a, duration) + self.b.displacement(moments.b, duration)
+
+    def path_length(self, moments: Moments, duration: float) -> float:
+        """Return L_A + L_B (m), above the relative arc length of any two points over [t, t + duration]."""
+        return self.a.path_length(moments.a, duration) + self.b.path_length(moments.b, duration)
+
+    def approach(self, moments: Moments, duration: float) -> Approach:
+        """Return the lecture's v and a for a sleep of up to `duration`, no farther than the next knot.
+
+        v = |v_oA - v_oB| + w_A r_A + w_B r_B and a = |a_oA - a_oB| + (al_A + w_A^2) r_A + (al_B + w_B^2) r_B,
+        each body's radius about its own frame origin o; v holds at the start, a is the supremum until the horizon.
+        """
+        t = moments.a.time if self.a.joints else moments.b.time
+        horizon = min(duration, min(self.a.knot_after(t), self.b.knot_after(t)) - t)
+        (v_a, w_a), (v_b, w_b) = self.a.velocities(moments.a), self.b.velocities(moments.b)
+        speed = norm(subtract(v_a, v_b)) + norm(w_a) * self.a.radius + norm(w_b) * self.b.radius
+        rates_a, rates_b = self.a.rates(moments.a, horizon), self.b.rates(moments.b, horizon)
+        steady = norm(subtract(rates_a.steady, rates_b.steady))
+        acceleration = steady + rates_a.acceleration + rates_b.acceleration
+        for rates, radius in ((rates_a, self.a.radius), (rates_b, self.b.radius)):
+            acceleration += (rates.angular_acceleration + rates.angular_speed**2) * radius
+        speed += CANCELLATION * (norm(v_a) + norm(v_b))
+        acceleration += CANCELLATION * (norm(rates_a.steady) + norm(rates_b.steady))
+        return Approach(speed, acceleration, horizon)
+
+    def sleep(self, moments: Moments, now: float, clearance: float, horizon: float) -> tuple[float, Bound]:
+        """Return the longest sleep (s, <= horizon) that the sound bounds allow, and the name of the bound that set it.
+
+        Args:
+            moments: the pair at `now`.
+            now: s.
+            clearance: m, certified lower bound on the distance now, > 0.
+            horizon: s, the longest sleep of interest, before the next stop.
+        """
+        spend = spendable(clearance)
+        near = self.approach(moments, horizon)
+        lecture = _lecture_sleep(near, now, spend)
+        if lecture >= horizon:
+            return horizon, Bound.LECTURE
+        displaced = longest_sleep(lambda s: self.displacement(moments, s), spend, horizon, 2.0 * lecture)
+        if displaced >= horizon:
+            return horizon, Bound.DISPLACEMENT
+        if lecture < near.horizon:
+            near = self.approach(moments, min(horizon, LOOKAHEAD * max(displaced, lecture)))
+            lecture = max(lecture, _lecture_sleep(near, now, spend))
+        displaced = shortened(now, displaced)
+        return (displaced, Bound.DISPLACEMENT) if displaced > lecture else (lecture, Bound.LECTURE)
+
+    def proof(self, moments: Moments, before: float, duration: float, after: float) -> Proof:
+        """Return what two measurements `duration` s apart prove of the time between.
+
+        The clearance is the better of what the displacement leaves of the first one, and the two-sided bound.
+
+        Args:
+            moments: the pair at the first measurement; no jump lies between it and the second.
+            before: m, certified lower bound on the distance at the first.
+            duration: s.
+            after: m, the same at the second.
+        """
+        straight = self.approach(moments, duration).distance(duration)
+        path = min(self.path_length(moments, duration), straight)
+        moved = min(self.displacement(moments, duration), straight)
+        two_sided = two_sided_clearance(spendable(before), spendable(after), path)
+        return Proof(max(spendable(before) - moved, two_sided), max(0.0, -two_sided))
+
+
+def _lecture_sleep(near: Approach, now: float, spend: float) -> float:
+    """Return min(H, t_c), s."""
+    return min(near.horizon, shortened(now, time_bound(spend, near.speed, near.acceleration)))

@@ -1,0 +1,84 @@
+"""Rotations and rigid transforms, the little that motions need."""
+
+from __future__ import annotations
+
+from math import cos, pi, sin
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .vector import Vector, add, dot, subtract
+
+FloatArray = NDArray[np.float64]
+Rows = tuple[Vector, Vector, Vector]
+
+IDENTITY: Rows = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+
+def turn(axis: Vector, angle: float) -> Rows:
+    """Return the rows of the rotation by `angle` (rad, right-handed) about the unit vector `axis` (Rodrigues)."""
+    x, y, z = axis
+    s, c = sin(angle), cos(angle)
+    k = 2.0 * sin(0.5 * angle) ** 2  # 1 - cos(angle), without cancellation
+    return (
+        (c + k * x * x, k * x * y - s * z, k * x * z + s * y),
+        (k * y * x + s * z, c + k * y * y, k * y * z - s * x),
+        (k * z * x - s * y, k * z * y + s * x, c + k * z * z),
+    )
+
+
+def apply(rows: Rows, q: Vector) -> Vector:
+    """Return the vector q turned by the rotation with these rows."""
+    return (dot(rows[0], q), dot(rows[1], q), dot(rows[2], q))
+
+
+def transform(rows: Rows, translation: Vector) -> FloatArray:
+    """Return the 4x4 matrix that turns by `rows` and then translates (m)."""
+    a, b, c = rows
+    x, y, z = translation
+    return np.array(((*a, x), (*b, y), (*c, z), (0.0, 0.0, 0.0, 1.0)))
+
+
+def turned_about(direction: Vector, point: Vector, angle: float, advance: Vector) -> FloatArray:
+    """Return the 4x4 rotation by `angle` about the axis through `point`, then a translation by `advance`."""
+    rows = turn(direction, angle)
+    return transform(rows, add(subtract(point, apply(rows, point)), advance))
+
+
+def rotation_of_quaternion(w: float, x: float, y: float, z: float) -> FloatArray:
+    """Return the 3x3 rotation of a quaternion of any non-zero length."""
+    n = 2.0 / (w * w + x * x + y * y + z * z)
+    return np.array(
+        (
+            (1.0 - n * (y * y + z * z), n * (x * y - z * w), n * (x * z + y * w)),
+            (n * (x * y + z * w), 1.0 - n * (x * x + z * z), n * (y * z - x * w)),
+            (n * (x * z - y * w), n * (y * z + x * w), 1.0 - n * (x * x + y * y)),
+        )
+    )
+
+
+def chord(angle: float, radius: float) -> float:
+    """Return how far (m) a point at `radius` from the axis is displaced at most by turning up to `angle` >= 0 rad."""
+    return 2.0 * radius * sin(0.5 * angle) if angle < pi else 2.0 * radius
+
+
+def turned(pose: FloatArray, q: Vector) -> Vector:
+    """Return the vector q turned by a 4x4 pose's rotation."""
+    a, b, c, _ = pose.tolist()
+    x, y, z = q
+    return (
+        a[0] * x + a[1] * y + a[2] * z,
+        b[0] * x + b[1] * y + b[2] * z,
+        c[0] * x + c[1] * y + c[2] * z,
+    )
+
+
+def mapped(pose: FloatArray, q: Vector) -> Vector:
+    """Return the point q mapped by a 4x4 pose."""
+    return add(turned(pose, q), translation_of(pose))
+
+
+def translation_of(pose: FloatArray) -> Vector:
+    """Return the translation of a 4x4 pose."""
+    x, y, z = pose[:3, 3].tolist()
+    return (x, y, z)

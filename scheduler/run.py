@@ -1,0 +1,43 @@
+"""The scheduling scheme: the loop of the source lecture, section 1.3."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from .events import Bound, Event, Reason, Wakeup
+from .heap import WakeupQueue
+from .pair import Pair
+from .scene import Scene, Settings
+from .watch import Watch
+
+
+def run(scene: Scene, pairs: Iterable[Pair], settings: Settings) -> Iterator[Event]:
+    """Yield everything that happens between the pairs that might collide, from the scene's start to its end.
+
+    Invariant: every such pair sleeps in the heap, and until its wakeup either it provably cannot touch, or the step is
+    one of the time resolution, which is judged afterwards and called unresolved where it cannot be proved clear.
+    It ends because every wakeup of a pair is later than the one before by a bound or by the floor, except while a
+    bracket between clear and touching is walked or halved, or an unproved step is tried again with finer ones; both
+    are limited.
+
+    Wakeups come in order of time, but for those that refine: they go back by no more than one time resolution.
+    """
+    queue = WakeupQueue()
+    # Initially all pairs that might collide are measured at t0: all wake at once.
+    for pair in pairs:
+        queue.push(scene.start, Reason.START, Watch(pair, settings, scene.start, scene.end))
+
+    while queue:
+        # The first pair is pulled off the queue,
+        time, reason, watch = queue.pop()
+        # and the distance measuring algorithm is run, at the poses A_i(t).
+        measurement = watch.pair.measure(time)
+        # If a collision has occurred, it is reported,
+        yield from watch.learn(measurement)
+        # and the pair goes back with t_min; if not, with a new lower bound on its time to collision: max(t_c, t_min).
+        plan = watch.plan()
+        if plan is not None:
+            queue.push(plan.time, plan.reason, watch)
+        sleep, bound = (max(0.0, plan.time - time), plan.bound) if plan else (0.0, Bound.NONE)
+        yield Wakeup(time, watch.pair.key, reason, measurement.level, bound, watch.clearance, sleep)
+    # The queue runs empty when every wakeup would exceed the simulation time.
