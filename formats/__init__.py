@@ -1,0 +1,1 @@
+"""Files in (scenes, meshes) and out (the MCAP log and its summary)."""

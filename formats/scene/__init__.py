@@ -1,0 +1,1 @@
+"""The native scene file: reading with line numbers, grammar, meshes."""

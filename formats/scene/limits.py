@@ -1,0 +1,37 @@
+"""The tolerances and limits of the scene file, each with its unit and its consequence."""
+
+LARGEST_DOCUMENT = 64 * 2**20
+"""Bytes. A larger scene file is refused before it is parsed."""
+
+DEEPEST_NESTING = 64
+"""Mappings and lists within each other. A deeper document is refused."""
+
+LARGEST_NUMBER = 1e15
+"""In the file's units. Beyond it squares and products would near the end of float64."""
+
+SMALLEST_NUMBER = 1e-60
+"""In the file's units. What is nearer to 0 is read as 0, which moves nothing by more than 1e-45 in any time allowed.
+
+Directions are divided by their lengths, and the inverse of a subnormal length is infinite.
+"""
+
+SMALLEST_SIZE = 1e-15
+"""In the file's units. A size or time below it is refused: its square or inverse would be lost."""
+
+QUATERNION_TOLERANCE = 1e-3
+"""How far the length of a quaternion may be from 1. Within it the quaternion is normalised, else refused."""
+
+MATRIX_TOLERANCE = 1e-6
+"""How far an entry of R^T R and the determinant may be from a rotation's, and the last row from 0 0 0 1.
+
+Within it the nearest rotation is taken, beyond it the matrix is refused.
+"""
+
+AMBIGUOUS_TURN = 1e-6
+"""rad. Keys this near to half a turn apart are warned of: rounding decides which way round they turn."""
+
+WIDE_TURN = 150.0
+"""deg. Keys further apart than this are warned of: a missing key would go unnoticed."""
+
+FAN_TOLERANCE = 1e-9
+"""Of a polygon's squared area: how far a triangle of a fan may turn against it before the fan does not fit."""

@@ -1,0 +1,145 @@
+"""Mesh files to meshes: where they may lie, what they hold, in metres and z up."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path, PurePosixPath, PureWindowsPath
+
+import numpy as np
+
+from ...scheduler.scene import Mesh
+from .errors import printable
+from .grammar import MeshReference
+from .limits import LARGEST_NUMBER, SMALLEST_NUMBER
+from .obj import read_obj
+from .shapes import frozen_mesh
+from .stl import read_stl
+from .surface import MeshError, Surface, Topology, topology, used_only
+from .units import metres_of
+
+_READERS = {".obj": read_obj, ".stl": read_stl}
+_URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Content:
+    """A mesh file's surface, and the SHA-256 (hex) of its bytes."""
+
+    surface: Surface
+    topology: Topology
+    sha256: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LoadedMesh:
+    """A mesh with the file it comes from.
+
+    Attributes:
+        mesh: in m and z up.
+        path: absolute, symbolic links resolved.
+        sha256: of the file's bytes, hex.
+        warnings: what is doubtful about it; each begins with the file's name.
+    """
+
+    mesh: Mesh
+    path: Path
+    sha256: str
+    warnings: tuple[str, ...]
+
+
+class MeshFolder:
+    """The mesh files that one scene may refer to; each is read once."""
+
+    def __init__(self, folder: Path, roots: Sequence[Path]) -> None:
+        """Take the scene file's folder, and other folders in which meshes may lie."""
+        self._folder = folder
+        self._roots = tuple(roots)
+        self._contents: dict[Path, _Content | MeshError] = {}
+        self._meshes: dict[tuple[Path, str, str], Mesh] = {}
+
+    def load(self, name: str, reference: MeshReference) -> LoadedMesh:
+        """Return the mesh of a reference, one and the same for equal files, units and axes.
+
+        Args:
+            name: the mesh's name in the scene.
+            reference: the file and how its numbers are meant.
+
+        Raises:
+            MeshError: the file may not be read, cannot be read, or is no mesh; the message names it.
+        """
+        path = self._found(reference.file)
+        content = self._contents.get(path)
+        if content is None:
+            content = self._contents[path] = _content(path)
+        if isinstance(content, MeshError):
+            line = "" if content.line is None else f":{content.line}"
+            raise MeshError(f"{printable(reference.file)}{line}: {content.message}")
+        key = path, reference.units, reference.up
+        if key not in self._meshes:
+            self._meshes[key] = _mesh(name, reference, content)
+        warnings = tuple(f"{printable(reference.file)} {text}" for text in _warnings(content))
+        return LoadedMesh(self._meshes[key], path, content.sha256, warnings)
+
+    def _found(self, file: str) -> Path:
+        """Return where the file lies, if the scene may refer to it."""
+        shown = printable(file)
+        if _URL.match(file):
+            raise MeshError(f"{shown} is a URL, expected a file relative to the scene")
+        try:
+            path = (self._folder / file).resolve()
+            roots = [root.resolve() for root in self._roots]
+            folder = self._folder.resolve()
+        except (OSError, RuntimeError, ValueError) as error:
+            raise MeshError(f"{shown} is no path: {printable(str(error))}") from error
+        if any(path.is_relative_to(root) for root in roots):
+            return path
+        if PurePosixPath(file).is_absolute() or PureWindowsPath(file).anchor:
+            raise MeshError(f"{shown} is absolute, expected a path relative to the scene, or name its root")
+        if not path.is_relative_to(folder):
+            raise MeshError(f"{shown} lies outside the scene's folder, move it inside or name its root")
+        return path
+
+
+def _content(path: Path) -> _Content | MeshError:
+    reader = _READERS.get(path.suffix.lower())
+    if reader is None:
+        kind = printable(path.suffix) or "files without suffix"
+        return MeshError(f"{kind} is not supported by this version, expected .obj or .stl")
+    try:
+        if path.exists() and not path.is_file():
+            return MeshError("expected a file")
+        data = path.read_bytes()
+        surface = reader(data)
+    except OSError as error:
+        return MeshError(f"the file cannot be read: {error.strerror or error}")
+    except MeshError as error:
+        return error
+    vertices = np.where(np.abs(surface.vertices) < SMALLEST_NUMBER, 0.0, surface.vertices)
+    joined = topology(vertices, surface.triangles)
+    return _Content(replace(surface, vertices=vertices), joined, hashlib.sha256(data).hexdigest())
+
+
+def _mesh(name: str, reference: MeshReference, content: _Content) -> Mesh:
+    vertices, triangles = used_only(content.surface.vertices, content.surface.triangles)
+    if np.abs(vertices).max() > LARGEST_NUMBER:
+        raise MeshError(f"{printable(reference.file)}: expected coordinates up to {LARGEST_NUMBER:g}")
+    points = metres_of(vertices, reference.units)
+    if reference.up == "y":
+        points = np.column_stack((points[:, 0], -points[:, 2], points[:, 1]))
+    return frozen_mesh(name, points, triangles, content.topology.solid)
+
+
+def _warnings(content: _Content) -> list[str]:
+    joined = content.topology
+    warnings = list(content.surface.warnings)
+    if not joined.solid:
+        loose = f"{joined.loose_edges} edges do not join exactly two triangles"
+        warnings.append(f"is open: treated as a surface, containment inside it is not seen ({loose})")
+    elif joined.twisted_edges:
+        warnings.append(f"is of mixed orientation: at {joined.twisted_edges} edges neighbours face opposite ways")
+    if joined.flat_triangles:
+        warnings.append(f"has {joined.flat_triangles} zero-area triangles")
+    return warnings

@@ -1,0 +1,48 @@
+"""A scene file's bytes, and the document they spell."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from .document import Document, refuse
+from .json_document import read_json
+from .limits import LARGEST_DOCUMENT
+from .yaml_document import read_yaml
+
+
+def read_bytes(path: Path) -> bytes:
+    """Return the bytes of a scene file.
+
+    Raises:
+        SceneError: it is missing, unreadable or larger than LARGEST_DOCUMENT.
+    """
+    try:
+        with path.open("rb") as file:
+            data = file.read(LARGEST_DOCUMENT + 1)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        refuse(str(path), (1, 1), (), f"the file cannot be read: {reason}")
+    if len(data) > LARGEST_DOCUMENT:
+        refuse(str(path), (1, 1), (), f"the file is larger than {LARGEST_DOCUMENT // 2**20} MiB")
+    return data
+
+
+def read_document(data: bytes, file: str) -> Document:
+    """Parse the bytes of a scene file: JSON when its name ends in `.json`, else YAML.
+
+    Raises:
+        SceneError: with the position of what cannot be read.
+    """
+    text = _decoded(data, file)
+    return read_json(text, file) if file.lower().endswith(".json") else read_yaml(text, file)
+
+
+def _decoded(data: bytes, file: str) -> str:
+    try:
+        return data.decode("utf-8").removeprefix("\ufeff")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        begin = data.rfind(b"\n", 0, error.start) + 1
+        column = len(data[begin : error.start].decode("utf-8")) + 1
+        byte = data[error.start]
+        refuse(file, (line, column), (), f"the byte 0x{byte:02X} is not UTF-8, save the file as UTF-8")

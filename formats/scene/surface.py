@@ -1,0 +1,89 @@
+"""A triangle surface as a mesh file gives it, and what can be said of its shape."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...scheduler.scene import FloatArray, IntArray
+
+
+class MeshError(Exception):
+    """A mesh file that cannot be used: what is wrong, and in which of its lines if it has lines."""
+
+    def __init__(self, message: str, line: int | None = None) -> None:
+        super().__init__(message)
+        self.message = message
+        self.line = line
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Surface:
+    """What a mesh file holds.
+
+    Attributes:
+        vertices: (n, 3) finite, in the file's unit and axes, every one of them used.
+        triangles: (m, 3) indices of vertices, in the file's order, m >= 1.
+        warnings: what was doubtful in the file.
+    """
+
+    vertices: FloatArray
+    triangles: IntArray
+    warnings: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Topology:
+    """How the triangles of a surface join where their vertices are exactly equal.
+
+    Attributes:
+        loose_edges: edges that do not join exactly two triangles.
+        twisted_edges: directed edges that two or more triangles share: neighbours turned against each other.
+        flat_triangles: triangles without area.
+        solid: whether every edge joins two triangles.
+    """
+
+    loose_edges: int
+    twisted_edges: int
+    flat_triangles: int
+    solid: bool
+
+
+def topology(vertices: FloatArray, triangles: IntArray) -> Topology:
+    """Return how the triangles join. Those with two equal corners have no say in it.
+
+    Args:
+        vertices: (n, 3); 0.0 and -0.0 are equal, nothing else that differs is.
+        triangles: (m, 3) indices of vertices.
+    """
+    _, merged = np.unique(vertices + 0.0, axis=0, return_inverse=True)
+    corners = merged.reshape(-1)[triangles]
+    a, b, c = corners.T
+    whole = corners[(a != b) & (b != c) & (c != a)]
+    begins, ends = whole.reshape(-1), np.roll(whole, -1, axis=1).reshape(-1)
+    count = len(vertices)
+    _, uses = np.unique(np.minimum(begins, ends) * count + np.maximum(begins, ends), return_counts=True)
+    _, directed_uses = np.unique(begins * count + ends, return_counts=True)
+    loose = int(np.count_nonzero(uses != 2))
+    return Topology(
+        loose_edges=loose,
+        twisted_edges=int(np.count_nonzero(directed_uses > 1)),
+        flat_triangles=_count_flat(vertices, triangles),
+        solid=loose == 0 and len(whole) > 0,
+    )
+
+
+def _count_flat(vertices: FloatArray, triangles: IntArray) -> int:
+    corners = vertices[triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return int(np.count_nonzero(~normals.any(axis=1)))
+
+
+def used_only(vertices: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntArray]:
+    """Return the surface without vertices that no triangle uses, which would widen the bounds on its motion."""
+    used = np.zeros(len(vertices), dtype=bool)
+    used[triangles] = True
+    if used.all():
+        return vertices, triangles
+    return vertices[used], (np.cumsum(used) - 1)[triangles]
