@@ -1,0 +1,1 @@
+"""The MCAP log: messages, writer, summary."""

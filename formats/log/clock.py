@@ -1,0 +1,20 @@
+"""Scene seconds become log nanoseconds, here and nowhere else."""
+
+from __future__ import annotations
+
+NANOSECONDS_PER_SECOND = 1_000_000_000
+
+# Several viewers and MCAP libraries keep log times in signed 64 bits, though the file's are unsigned.
+LATEST_LOG_TIME_NS = 2**63 - 1
+
+
+def nanoseconds(seconds: float) -> int:
+    """Return the whole nanoseconds nearest to a finite time, ties to even.
+
+    Exact, which `round(seconds * 1e9)` is not: the product is rounded before it is rounded again.
+    """
+    numerator, denominator = seconds.as_integer_ratio()
+    whole, rest = divmod(numerator * NANOSECONDS_PER_SECOND, denominator)
+    if 2 * rest > denominator or (2 * rest == denominator and whole % 2):
+        return whole + 1
+    return whole

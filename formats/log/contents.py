@@ -1,0 +1,64 @@
+"""What travels in a log beside its messages: names that readers look for, and inputs that prove the run."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import asdict
+
+from closecall import __version__
+
+from ...scheduler.scene import Settings
+from ..scene.loaded import LoadedScene, MeshFile
+from .errors import LogError
+
+# Metadata records: the first is there from the start, so that an unfinished log tells what it is.
+METADATA_AT_START = "closecall/start"
+METADATA = "closecall"
+
+# Attachments. Mesh files are `mesh/<sha256>`.
+SCENE = "scene"
+SETTINGS = "settings.json"
+SUMMARY = "summary.json"
+
+
+def identity(loaded: LoadedScene, settings: Settings, pairs_total: int, epoch: int) -> dict[str, str]:
+    """Return what tells this run from others: the inputs by hash, the settings, the time base (s, s, ns)."""
+    scene = loaded.scene
+    values = {
+        "version": __version__,
+        "scene_sha256": hashlib.sha256(loaded.source).hexdigest(),
+        "settings": settings_json(settings),
+        "start": repr(scene.start),
+        "end": repr(scene.end),
+        "epoch": str(epoch),
+        "count/bodies": str(len(scene.bodies)),
+        "count/pairs": str(pairs_total),
+    }
+    return values | {f"mesh/{mesh.name}": mesh.sha256 for mesh in loaded.mesh_files}
+
+
+def settings_json(settings: Settings) -> str:
+    """Return the settings in SI, under the scene file's keys."""
+    return json.dumps(asdict(settings), sort_keys=True, allow_nan=False)
+
+
+def mesh_attachment(mesh: MeshFile) -> str:
+    """Return the name under which a mesh file's bytes travel."""
+    return f"mesh/{mesh.sha256}"
+
+
+def mesh_bytes(mesh: MeshFile) -> bytes:
+    """Return the mesh file's bytes, the same that were loaded.
+
+    Raises:
+        LogError: when the file has gone or has changed since.
+    """
+    try:
+        data = mesh.path.read_bytes()
+    except OSError as error:
+        remedy = "restore it, or run with --no-attach-meshes"
+        raise LogError(mesh.path, f"cannot read: {error.strerror or error}", remedy) from error
+    if hashlib.sha256(data).hexdigest() != mesh.sha256:
+        raise LogError(mesh.path, "changed while the run was starting", "run again")
+    return data

@@ -1,0 +1,21 @@
+"""The fault of the log's reading and writing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+
+class LogError(Exception):
+    """A log that cannot be written or read: one line that names the file, what is wrong, and what to do.
+
+    Attributes:
+        path: the file at fault.
+        problem: what is wrong with it.
+        remedy: what the caller can do about it.
+    """
+
+    def __init__(self, path: Path, problem: str, remedy: str) -> None:
+        super().__init__(" ".join(f"{path}: {problem}; {remedy}".split()))
+        self.path = path
+        self.problem = problem
+        self.remedy = remedy
