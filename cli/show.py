@@ -1,0 +1,87 @@
+"""What people and programs read: tables, JSON, warnings. Results on stdout, everything else on stderr."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import click
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from ..formats.log.summary import PairSummary, Summary
+
+#: Rows of the table for people.
+MOST_ROWS = 20
+
+_SEVERITY = ("contact", "breach", "unresolved", "possible", "clear")
+_STYLES = {"contact": "bold red", "breach": "red", "unresolved": "yellow", "possible": "yellow", "clear": "green"}
+
+
+def print_warnings(warnings: Iterable[str]) -> None:
+    """Print a line each on stderr."""
+    for warning in warnings:
+        click.echo(f"warning: {warning}", err=True)
+
+
+def print_json(value: Mapping[str, Any]) -> None:
+    """Print a JSON object on stdout."""
+    click.echo(json.dumps(value, ensure_ascii=False, allow_nan=False))
+
+
+def print_seconds(seconds: Mapping[str, float]) -> None:
+    """Print what the run's parts took, on stderr."""
+    click.echo("seconds: " + ", ".join(f"{name} {value:.3f}" for name, value in seconds.items()), err=True)
+
+
+def print_summary(summary: Summary) -> None:
+    """Print the worst pairs first, and the totals."""
+    pairs = sorted(summary["pairs"], key=_badness)
+    console = Console(highlight=False)
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for column, justify in (("pair", "left"), ("verdict", "left"), ("least distance", "left"), ("contacts", "left")):
+        table.add_column(column, justify=justify, overflow="fold")  # type: ignore[arg-type]
+    for pair in pairs[:MOST_ROWS]:
+        verdict = pair["verdict"]
+        name = Text(pair["pair"].replace("|", " | "))
+        table.add_row(name, Text(verdict, _STYLES[verdict]), Text(_distance(pair)), Text(_contacts(pair)))
+    console.print(table)
+    if len(pairs) > MOST_ROWS:
+        console.print(f"... and {len(pairs) - MOST_ROWS} more pairs")
+    counts = summary["totals"]["pairs"]
+    found = ", ".join(f"{counts[verdict]} {verdict}" for verdict in _SEVERITY if counts.get(verdict))
+    start, end = summary["time"]
+    console.print(f"{summary['pairs_total']} pairs over [{start:g}, {end:g}] s: {found or 'nothing to check'}")
+
+
+def _badness(pair: PairSummary) -> tuple[int, float, str]:
+    """Return the sorting key of a pair: by verdict, then by the least distance measured, else certified."""
+    upper = pair["distance"]["upper"]
+    return _SEVERITY.index(pair["verdict"]), pair["distance"]["lower"] if upper is None else upper, pair["pair"]
+
+
+def _distance(pair: PairSummary) -> str:
+    """Return what is known of the pair's least distance."""
+    lower, upper, time = pair["distance"]["lower"], pair["distance"]["upper"], pair["distance"]["time"]
+    if upper is None:
+        return f"above {lower:.4g} m"
+    if upper == 0.0:
+        return "0"
+    return f"{lower:.4g} .. {upper:.6g} m at {time:.6g} s"
+
+
+def _contacts(pair: PairSummary) -> str:
+    """Return the first contact's begin and end, and how many there are."""
+    contacts = pair["contacts"]
+    if not contacts:
+        return (
+            "unresolved " + ", ".join(f"{a:.6g}..{b:.6g} s" for a, b in pair["unresolved"][:2])
+            if pair["unresolved"]
+            else ""
+        )
+    first = contacts[0]
+    end = "the end" if first["end"] is None else f"{first['end'][0]:.7g}"
+    more = f" and {len(contacts) - 1} more" if len(contacts) > 1 else ""
+    return f"{first['begin'][1]:.7g} .. {end} s{more}"
