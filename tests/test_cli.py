@@ -1,0 +1,185 @@
+"""The commands as a shell sees them: what they print, where, and with which exit code."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from mcap.exceptions import McapError
+from mcap.records import Message
+from mcap.stream_reader import StreamReader
+
+SPHERES = """\
+closecall: 1
+units: {length: m, angle: deg}
+time: {start: 0, end: 5}
+bodies:
+  left: {pose: {xyz: [-2, 0, 0]}, shapes: [{sphere: 0.5}], motion: {type: constant, velocity: [1, 0, 0]}}
+  right: {pose: {xyz: [2, 0.3, 0]}, shapes: [{sphere: 0.25}], motion: {type: constant, velocity: [-1, 0, 0]}}
+"""
+
+
+def closecall(*arguments: object, cwd: Path, **options: object) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "closecall", *map(str, arguments)]
+    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=120, **options)  # type: ignore[call-overload, no-any-return]
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    path = tmp_path / "scene.yaml"
+    path.write_text(SPHERES)
+    return path
+
+
+def test_run_prints_a_table_and_exits_0_whatever_it_finds(scene, tmp_path):
+    done = closecall("run", scene, "-o", "out.mcap", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "left | right" in done.stdout
+    assert "1 pairs over [0, 5] s: 1 contact" in done.stdout
+    assert (tmp_path / "out.mcap").exists()
+    assert not (tmp_path / "out.mcap.partial").exists()
+
+
+def test_fail_on_contact_exits_1_and_still_writes_the_log(scene, tmp_path):
+    done = closecall("run", scene, "-o", "out.mcap", "--fail-on", "unresolved,contact", cwd=tmp_path)
+    assert done.returncode == 1
+    assert (tmp_path / "out.mcap").exists()
+    assert closecall("run", scene, "-o", "out.mcap", "--fail-on", "unresolved", cwd=tmp_path).returncode == 0
+    wrong = closecall("run", scene, "-o", "out.mcap", "--fail-on", "everything", cwd=tmp_path)
+    assert wrong.returncode == 2
+    assert "'everything' is not one of contact" in wrong.stderr
+
+
+def test_json_is_the_logs_summary_with_the_seconds(scene, tmp_path):
+    printed = json.loads(closecall("run", scene, "-o", "out.mcap", "--json", cwd=tmp_path).stdout)
+    assert set(printed.pop("seconds")) == {"load", "schedule", "fcl", "log", "total"}
+    assert json.loads(closecall("summary", "out.mcap", "--json", cwd=tmp_path).stdout) == printed
+    (pair,) = printed["pairs"]
+    assert pair["verdict"] == "contact"
+    assert printed["settings"] == {"time_resolution": 0.001, "contact_tolerance": 1e-6}
+
+
+def test_summary_prints_the_same_table_as_the_run(scene, tmp_path):
+    ran = closecall("run", scene, "-o", "out.mcap", cwd=tmp_path)
+    assert closecall("summary", "out.mcap", cwd=tmp_path).stdout == ran.stdout
+
+
+def test_options_override_the_scenes_settings(scene, tmp_path):
+    options = ["--time-resolution", "0.01", "--contact-tolerance", "1e-4"]
+    printed = json.loads(closecall("run", scene, "-o", "out.mcap", "--json", *options, cwd=tmp_path).stdout)
+    assert printed["settings"] == {"time_resolution": 0.01, "contact_tolerance": 1e-4}
+    low, high = printed["pairs"][0]["contacts"][0]["begin"]
+    assert 1e-6 < high - low <= 1e-4
+
+
+@pytest.mark.parametrize("value", ["0", "-1", "nan", "inf", "1e-300"])
+def test_a_senseless_resolution_is_refused_by_name(scene, tmp_path, value):
+    done = closecall("run", scene, "-o", "out.mcap", "--time-resolution", value, cwd=tmp_path)
+    assert done.returncode == 2
+    assert "--time-resolution" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not list(tmp_path.glob("*.mcap*"))
+
+
+def test_a_fault_in_the_scene_is_one_line_with_its_place_and_nothing_is_written(scene, tmp_path):
+    scene.write_text(SPHERES.replace("sphere: 0.25", "sphere: -0.25"))
+    done = closecall("run", "scene.yaml", "-o", "out.mcap", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith("scene.yaml:6:55: bodies.right.shapes[0].sphere: ")
+    assert done.stderr.count("\n") == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["scene.yaml"]
+
+
+@pytest.mark.parametrize("output", ["missing/out.mcap", ".", "scene.yaml"])
+def test_an_output_that_cannot_be_is_refused_in_one_line(scene, tmp_path, output):
+    done = closecall("run", "scene.yaml", "-o", output, cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.count("\n") == 1
+    assert scene.read_text() == SPHERES
+
+
+def test_a_scene_with_nothing_to_check_says_so(scene, tmp_path):
+    scene.write_text(SPHERES.replace("bodies:", "pairs: {ignore: [{between: ['*', '*'], reason: trial}]}\nbodies:"))
+    done = closecall("run", scene, "-o", "out.mcap", cwd=tmp_path)
+    assert done.returncode == 0
+    assert "warning:" in done.stderr
+    assert "nothing to check" in done.stderr
+
+
+def test_the_same_scene_gives_the_same_bytes_whatever_the_hash_seed(scene, tmp_path):
+    logs = []
+    for seed in ("0", "12345"):
+        closecall("run", scene, "-o", f"{seed}.mcap", cwd=tmp_path, env={"PYTHONHASHSEED": seed})
+        logs.append((tmp_path / f"{seed}.mcap").read_bytes())
+    assert logs[0] == logs[1]
+
+
+def long_scene() -> str:
+    """Return a scene that takes minutes: many spheres that rest on each other, woken every 1e-5 s."""
+    body = "  b{0}: {{pose: {{xyz: [{0}, 0, 0]}}, shapes: [{{sphere: 0.6}}], motion: {{type: constant, {1}}}}}\n"
+    text = SPHERES.split("bodies:")[0] + "settings: {time_resolution: 1e-5}\nbodies:\n"
+    return text + "".join(body.format(i, "angular_velocity: [0, 0, 10]") for i in range(8))
+
+
+def started(scene: Path, tmp_path: Path, *options: str) -> subprocess.Popen[str]:
+    """Start a long run and wait until its log has grown."""
+    scene.write_text(long_scene())
+    command = [sys.executable, "-m", "closecall", "run", str(scene), "-o", str(tmp_path / "out.mcap"), *options]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    partial = tmp_path / "out.mcap.partial"
+    for _ in range(3000):
+        if partial.exists() and partial.stat().st_size > 100_000:
+            return process
+        time.sleep(0.01)
+    raise AssertionError(f"no log after 30 s: {process.poll()}")
+
+
+def read_until_cut(path: Path) -> int:
+    """Return how many messages mcap's stream reader gets out of an unfinished log."""
+    count = 0
+    try:
+        with path.open("rb") as file:
+            for record in StreamReader(file).records:
+                count += isinstance(record, Message)
+    except McapError:
+        pass
+    return count
+
+
+def test_sigkill_leaves_no_output_and_a_partial_that_the_stream_reader_reads(scene, tmp_path):
+    process = started(scene, tmp_path)
+    process.kill()
+    process.communicate()
+    assert not (tmp_path / "out.mcap").exists()
+    assert read_until_cut(tmp_path / "out.mcap.partial") > 1000
+
+
+def test_ctrl_c_exits_130_in_a_line_and_keeps_the_partial(scene, tmp_path):
+    process = started(scene, tmp_path)
+    process.send_signal(signal.SIGINT)
+    _, told = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert "Traceback" not in told
+    assert "out.mcap.partial" in told
+    assert not (tmp_path / "out.mcap").exists()
+    assert read_until_cut(tmp_path / "out.mcap.partial") > 1000
+
+
+def test_an_unfinished_log_has_no_summary_and_the_message_says_why(scene, tmp_path):
+    process = started(scene, tmp_path)
+    process.kill()
+    process.communicate()
+    done = closecall("summary", "out.mcap.partial", cwd=tmp_path)
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["run", "--help"], ["summary", "--help"]])
+def test_every_help_has_an_example(tmp_path, arguments):
+    done = closecall(*arguments, cwd=tmp_path)
+    assert done.returncode == 0
+    assert "Example: closecall" in done.stdout

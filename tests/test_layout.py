@@ -1,0 +1,88 @@
+"""The house: imports run one way, the wheel holds the package and nothing else, and starting is cheap."""
+
+import ast
+import subprocess
+import sys
+import tomllib
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+MAY_IMPORT = {
+    "scheduler": {"scheduler"},
+    "formats": {"scheduler", "formats"},
+    "cli": {"scheduler", "formats", "cli"},
+}
+HEAVY_IN_SCHEDULER = {"trimesh", "mcap", "click", "pydantic", "yaml", "rich", "google"}
+
+
+def sources(folder: str) -> list[Path]:
+    return [path for path in (ROOT / folder).rglob("*.py") if "closecall" not in path.relative_to(ROOT).parts]
+
+
+def imported(path: Path) -> set[str]:
+    """Return the absolute dotted names that a module imports, relative ones resolved as inside `closecall`."""
+    inside = ("closecall", *path.relative_to(ROOT).parts[:-1])
+    names = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            base = inside[: len(inside) - node.level + 1] if node.level else ()
+            names.add(".".join((*base, *(node.module or "").split("."))).strip("."))
+    return names
+
+
+@pytest.mark.parametrize("folder", MAY_IMPORT)
+def test_imports_run_one_way_from_cli_over_formats_to_scheduler(folder):
+    assert sources(folder)
+    for path in sources(folder):
+        for name in imported(path):
+            parts = name.split(".")
+            if parts[0] == "closecall" and len(parts) > 1:
+                assert parts[1] in MAY_IMPORT[folder], f"{path} imports {name}"
+
+
+def test_one_module_imports_fcl_and_the_scheduler_knows_no_file_format():
+    assert [path.name for path in sources("scheduler") if "fcl" in imported(path)] == ["narrow_phase.py"]
+    for path in sources("scheduler"):
+        assert not {name.split(".")[0] for name in imported(path)} & HEAVY_IN_SCHEDULER
+    for folder in ("formats", "cli"):
+        assert not [path for path in sources(folder) if "fcl" in imported(path)]
+
+
+def test_every_package_folder_is_listed_and_mapped():
+    setup = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
+    folders = {path.parent.relative_to(ROOT) for folder in MAY_IMPORT for path in sources(folder)}
+    expected = {"closecall." + ".".join(folder.parts): folder.as_posix() for folder in folders}
+    expected["closecall"] = "cli/closecall"
+    assert setup["package-dir"] == expected
+    assert set(setup["packages"]) == set(expected)
+
+
+def test_the_wheel_holds_the_package_and_nothing_else(tmp_path):
+    build = [sys.executable, "-m", "build", "--wheel", "--outdir", str(tmp_path), str(ROOT)]
+    subprocess.run(build, check=True, capture_output=True)
+    (wheel,) = tmp_path.glob("*.whl")
+    names = [name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name]
+    assert {name.split("/")[0] for name in names} == {"closecall"}
+    held = {name for name in names if name.endswith(".py")}
+    expected = {f"closecall/{path.relative_to(ROOT).as_posix()}" for folder in MAY_IMPORT for path in sources(folder)}
+    assert held == expected | {"closecall/__init__.py", "closecall/__main__.py"}
+    assert "closecall/py.typed" in names
+    assert "closecall/formats/log/messages.proto" in names
+
+
+@pytest.mark.parametrize("arguments", [["--version"], ["--help"]])
+def test_asking_for_version_or_help_imports_nothing_heavy(arguments):
+    code = (
+        "import sys; sys.argv = ['closecall', *sys.argv[1:]]\n"
+        "from closecall.cli.main import main\n"
+        "try: main()\n"
+        "except SystemExit: print(*sorted(sys.modules), file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=True)
+    loaded = {name.split(".")[0] for name in done.stderr.split()}
+    assert not loaded & {"numpy", "trimesh", "fcl", "mcap", "pydantic", "rich", "google"}

@@ -1,0 +1,215 @@
+"""Exact distances, touching, features and containment against closed forms and brute force."""
+
+from math import sqrt
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from closecall.scheduler.events import FeatureKind
+from closecall.scheduler.motions import Fixed
+from closecall.scheduler.narrow_phase import DISTANCE_ERROR, NarrowPhase
+from closecall.scheduler.scene import Body, Mesh, Shape
+from closecall.scheduler.solid import Interior, component_points, winding_number
+from closecall.scheduler.triangle import feature_at, meeting_point
+from oracle.triangles import separation
+
+EYE = np.eye(4)
+POINT = Mesh("point", np.zeros((1, 3)), np.array([[0, 0, 0]]), False)
+SEGMENT = Mesh("segment", np.array([[0.0, 0, -1], [0, 0, 1]]), np.array([[0, 1, 1]]), False)
+
+
+def box_mesh(x, y, z) -> Mesh:
+    vertices = np.array([[i, j, k] for i in (-x, x) for j in (-y, y) for k in (-z, z)]) / 2.0
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    return Mesh("box", vertices, np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]), True)
+
+
+def soup(rng, triangles, size=1.0) -> Mesh:
+    return Mesh("soup", rng.normal(size=(3 * triangles, 3)) * size, np.arange(3 * triangles).reshape(-1, 3), False)
+
+
+def phase_of(*shapes: Shape | Mesh) -> NarrowPhase:
+    placed = [shape if isinstance(shape, Shape) else Shape(shape, 0.0, EYE) for shape in shapes]
+    return NarrowPhase(tuple(Body(str(i), None, EYE, Fixed(), (shape,)) for i, shape in enumerate(placed)))
+
+
+def placed(rng, x=0.0, y=0.0, z=0.0):
+    pose = np.eye(4)
+    pose[:3, :3] = Rotation.random(rng=rng).as_matrix() if rng is not None else np.eye(3)
+    pose[:3, 3] = (x, y, z)
+    return pose
+
+
+def brute_force(one: Mesh, other: Mesh, pose_a, pose_b) -> float:
+    a, b = (
+        (mesh.vertices @ pose[:3, :3].T + pose[:3, 3])[mesh.triangles]
+        for mesh, pose in ((one, pose_a), (other, pose_b))
+    )
+    i, j = (index.ravel() for index in np.indices((len(a), len(b))))
+    return float(max(0.0, np.min(separation(np.moveaxis(a[i], 2, 0), np.moveaxis(b[j], 2, 0)))))
+
+
+def test_unit_boxes_four_apart_read_three():
+    assert phase_of(box_mesh(1, 1, 1), box_mesh(1, 1, 1)).nearest(0, 1, EYE, placed(None, 0, 4, 0)).distance == 3.0
+
+
+@pytest.mark.parametrize("offset", [0.0, 1e3, 1e6])
+def test_random_soups_agree_with_brute_force_wherever_they_are(offset):
+    rng = np.random.default_rng(1)
+    for _ in range(100):
+        one, other = soup(rng, 6), soup(rng, 6)
+        phase = phase_of(one, other)
+        pose_a = placed(rng, offset, offset, -offset)
+        pose_b = placed(rng, *(pose_a[:3, 3] + rng.normal(size=3) * 4))
+        near = pose_a.copy(), pose_b.copy()
+        for pose in near:
+            pose[:3, 3] -= pose_a[:3, 3]
+        found = phase.nearest(0, 1, pose_a, pose_b)
+        assert found.distance == pytest.approx(brute_force(one, other, *near), abs=1e-13 * phase.size(0, 1))
+        gap = np.linalg.norm(np.subtract(found.witness_a, found.witness_b))
+        assert gap == pytest.approx(found.distance, abs=1e-14 * (1 + offset) * 10)
+
+
+def test_the_distance_error_covers_near_pairs_and_slivers():
+    """FCL against brute force on triangles a hair apart, long and thin ones among them."""
+    rng = np.random.default_rng(2)
+    worst = 0.0
+    for _ in range(1500):
+        thin = 10.0 ** rng.uniform(-6, 0)
+        one, other = (Mesh("t", rng.normal(size=(3, 3)) * (1, thin, 1), np.array([[0, 1, 2]]), False) for _ in range(2))
+        phase = phase_of(one, other)
+        pose = placed(rng)
+        apart = phase.nearest(0, 1, EYE, placed(None, 50.0))
+        pose[:3, 3] = rng.normal(size=3) * 0.3
+        truth = brute_force(one, other, EYE, pose)
+        assert apart.distance > 0.0
+        worst = max(worst, abs(phase.nearest(0, 1, EYE, pose).distance - truth) / phase.size(0, 1))
+    assert worst < DISTANCE_ERROR
+
+
+@pytest.mark.parametrize(("core", "truth"), [(POINT, sqrt(9 + 1) - 1.5), (SEGMENT, 3.0 - 1.5)])
+def test_spheres_and_capsules_are_cores_less_their_radius(core, truth):
+    phase = phase_of(Shape(core, 0.5, EYE), Shape(POINT, 1.0, EYE))
+    found = phase.nearest(0, 1, EYE, placed(None, 3.0, 0.0, 1.0))
+    assert found.distance == pytest.approx(truth, abs=1e-14)
+    assert np.linalg.norm(np.subtract(found.witness_a, found.witness_b)) == pytest.approx(truth, abs=1e-14)
+
+
+def test_capsules_agree_with_segment_to_segment_distance():
+    rng = np.random.default_rng(3)
+    phase = phase_of(Shape(SEGMENT, 0.25, EYE), Shape(SEGMENT, 0.125, EYE))
+    share = np.linspace(-1, 1, 401)
+    for _ in range(100):
+        pose = placed(rng, *rng.normal(size=3) * 2)
+        one = np.array([0, 0, 1.0]) * share[:, None]
+        other = pose[:3, 2] * share[:, None] + pose[:3, 3]
+        sampled = np.min(np.linalg.norm(one[:, None] - other[None], axis=2)) - 0.375
+        found = phase.nearest(0, 1, EYE, pose).distance
+        assert found == pytest.approx(max(0.0, sampled), abs=1e-2)
+        assert found <= max(0.0, sampled) + 1e-12
+
+
+def test_overlap_reads_zero_with_one_point_on_both_surfaces():
+    rng = np.random.default_rng(4)
+    one, other = box_mesh(1, 1, 1), box_mesh(1, 1, 1)
+    phase = phase_of(one, other)
+    met = 0
+    for _ in range(200):
+        pose = placed(rng, *rng.normal(size=3) * 0.6)
+        found = phase.nearest(0, 1, EYE, pose)
+        if found.distance == 0.0:
+            met += 1
+            assert found.witness_a == found.witness_b
+            for witness, matrix in ((found.witness_a, EYE), (found.witness_b, pose)):
+                local = (np.array(witness) - matrix[:3, 3]) @ matrix[:3, :3]
+                assert np.max(np.abs(local)) == pytest.approx(0.5, abs=1e-9)
+    assert met > 100
+
+
+def test_degenerate_triangles_in_a_mesh_do_not_invent_contact():
+    """fcl.collide calls collinear segments that lie apart a collision; such meshes are measured by distance alone."""
+    line = Mesh("line", np.array([[0.0, 0, 0], [1, 0, 0]]), np.array([[0, 1, 1]]), False)
+    found = phase_of(line, line).nearest(0, 1, EYE, placed(None, 3.0))
+    assert found.distance == pytest.approx(2.0, abs=1e-15)
+
+
+def test_several_shapes_of_one_body_read_as_their_nearest():
+    shapes = tuple(Shape(box_mesh(1, 1, 1), 0.0, placed(None, x)) for x in (0.0, 5.0, 10.0))
+    bodies = Body("many", None, EYE, Fixed(), shapes), Body("one", None, EYE, Fixed(), (Shape(POINT, 0.5, EYE),))
+    found = NarrowPhase(bodies).nearest(0, 1, EYE, placed(None, 5.0, 3.0))
+    assert found.distance == pytest.approx(2.0, abs=1e-15)
+    assert found.feature_a.shape == 1
+
+
+CORNERS = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("point", "kind", "index"),
+    [
+        ((0.0, 0.0, 0.0), FeatureKind.VERTEX, 0),
+        ((0.0, 1.0, 0.0), FeatureKind.VERTEX, 2),
+        ((0.5, 0.0, 0.0), FeatureKind.EDGE, 0),
+        ((0.5, 0.5, 0.0), FeatureKind.EDGE, 1),
+        ((0.0, 0.3, 0.0), FeatureKind.EDGE, 2),
+        ((0.3, 0.3, 0.0), FeatureKind.FACE, 0),
+    ],
+)
+def test_a_witness_is_on_the_corner_edge_or_face_that_holds_it(point, kind, index):
+    assert feature_at(point, CORNERS) == (kind, index)
+
+
+def test_two_crossing_triangles_meet_in_a_point_of_both():
+    other = ((0.2, 0.2, -1.0), (0.3, 0.2, 1.0), (0.2, 0.3, 1.0))
+    point = meeting_point(CORNERS, other)
+    assert point is not None
+    assert point[2] == pytest.approx(0.0)
+    assert 0.2 <= point[0] <= 0.3
+    assert meeting_point(CORNERS, tuple((x, y, z + 5.0) for x, y, z in other)) is None
+
+
+def test_winding_number_is_one_inside_and_zero_outside_of_a_closed_mesh():
+    mesh = box_mesh(2, 2, 2)
+    corners = mesh.vertices[mesh.triangles]
+    rng = np.random.default_rng(5)
+    for point in rng.uniform(-2, 2, size=(300, 3)):
+        expected = 1.0 if np.max(np.abs(point)) < 1.0 else 0.0
+        assert abs(winding_number(point, corners)) == pytest.approx(expected, abs=1e-9)
+
+
+def test_a_point_in_the_cavity_of_a_hollow_solid_is_outside():
+    outer, inner = box_mesh(4, 4, 4), box_mesh(2, 2, 2)
+    hollow = Mesh(
+        "hollow",
+        np.vstack((outer.vertices, inner.vertices)),
+        np.vstack((outer.triangles, inner.triangles[:, ::-1] + 8)),
+        True,
+    )
+    interior = Interior(hollow)
+    assert interior.contains(np.array([[0.0, 0, 0]])) is None
+    assert interior.contains(np.array([[9.0, 0, 0], [1.5, 0, 0]])) is not None
+
+
+def test_every_connected_part_of_a_soup_gives_one_point():
+    """An STL repeats every corner: two boxes are 24 triangles of 72 vertices, and two parts."""
+    mesh = box_mesh(1, 1, 1)
+    corners = mesh.vertices[mesh.triangles].reshape(-1, 3)
+    both = np.vstack((corners, np.add(corners, 5.0)))
+    assert len(component_points(Mesh("soup", both, np.arange(72).reshape(-1, 3), True))) == 2
+
+
+def test_containment_is_seen_both_ways_and_for_every_part():
+    big, small = box_mesh(10, 10, 10), box_mesh(1, 1, 1)
+    assert phase_of(big, small).contained(0, 1, EYE, EYE) is not None
+    assert phase_of(small, big).contained(0, 1, EYE, EYE) is not None
+    assert phase_of(small, big).contained(0, 1, EYE, placed(None, 20.0)) is None
+    parts = Mesh(
+        "parts",
+        np.vstack((small.vertices + 50.0, small.vertices)),
+        np.vstack((small.triangles, small.triangles + 8)),
+        True,
+    )
+    assert phase_of(parts, big).contained(0, 1, EYE, EYE) is not None
+    open_sheet = Mesh("sheet", np.array(CORNERS), np.array([[0, 1, 2]]), False)
+    assert phase_of(open_sheet, big).contained(0, 1, EYE, EYE) is not None

@@ -1,0 +1,185 @@
+"""The summary: what a run's events fold into."""
+
+from __future__ import annotations
+
+import json
+import math
+import random
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from closecall.formats.log.summary import SummaryBuilder, to_json
+from closecall.scheduler.events import (
+    Bound,
+    Collision,
+    ContactKind,
+    Distance,
+    Feature,
+    FeatureKind,
+    Level,
+    PairKey,
+    Phase,
+    Reason,
+    Span,
+    Verdict,
+    Wakeup,
+)
+from closecall.scheduler.scene import Body, Scene, Settings, pair_id
+
+FACE = Feature(FeatureKind.FACE, 0, 0, 0)
+ORIGIN = (0.0, 0.0, 0.0)
+NAMES = ("gear", "hammer", "bench")
+
+
+def key(a: int, b: int) -> PairKey:
+    return PairKey(pair_id(a, b, len(NAMES)), a, b)
+
+
+FIRST, SECOND, THIRD = key(0, 1), key(0, 2), key(1, 2)
+
+
+def builder(pairs_total: int = 3) -> SummaryBuilder:
+    bodies = tuple(Body(name, None, np.eye(4), cast(Any, None), ()) for name in NAMES)
+    return SummaryBuilder(Scene(bodies, 0.0, 10.0, ()), Settings(), pairs_total)
+
+
+def folded(*events, pairs_total: int = 3):
+    summary = builder(pairs_total)
+    for event in events:
+        summary.add(event)
+    return summary.summary()
+
+
+def span(pair: PairKey, verdict: Verdict, start: float, end: float, clearance: float = 0.0) -> Span:
+    return Span(pair, verdict, start, end, clearance, math.nan)
+
+
+def wakeup(pair: PairKey, level: Level, time: float = 1.0) -> Wakeup:
+    return Wakeup(time, pair, Reason.TIME_BOUND, level, Bound.LECTURE, 0.5, 0.1)
+
+
+def distance(pair: PairKey, time: float, value: float) -> Distance:
+    return Distance(time, pair, value, ORIGIN, ORIGIN, FACE, FACE)
+
+
+def collision(pair: PairKey, phase: Phase, clear: float, touching: float) -> Collision:
+    return Collision(pair, phase, clear, touching, ContactKind.SURFACE, FACE, FACE, ORIGIN)
+
+
+def test_summary_has_the_contracts_keys_in_its_order():
+    summary = folded(span(FIRST, Verdict.CLEAR, 0.0, 10.0, 0.25))
+    assert list(summary) == ["closecall", "time", "settings", "pairs_total", "pairs", "totals"]
+    assert summary["time"] == [0.0, 10.0]
+    assert summary["settings"]["time_resolution"] == 1e-3
+    assert summary["pairs"] == [
+        {
+            "pair": "gear|hammer",
+            "body_a": "gear",
+            "body_b": "hammer",
+            "verdict": "clear",
+            "distance": {"lower": 0.25, "upper": None, "time": None},
+            "contacts": [],
+            "unresolved": [],
+            "wakeups": 0,
+            "queries": {"sphere": 0, "hull": 0, "mesh": 0},
+        }
+    ]
+
+
+def test_verdict_is_the_worst_of_the_spans():
+    order = [Verdict.CONTACT, Verdict.BREACH, Verdict.UNRESOLVED, Verdict.POSSIBLE, Verdict.CLEAR]
+    for rank, worst in enumerate(order):
+        spans = [span(FIRST, verdict, 0.0, 1.0) for verdict in reversed(order[rank:])]
+        assert folded(*spans)["pairs"][0]["verdict"] == worst.name.lower()
+
+
+def test_lower_is_the_least_certified_clearance_and_upper_the_least_measured_distance():
+    (pair,) = folded(
+        span(FIRST, Verdict.CLEAR, 0.0, 4.0, 0.2),
+        distance(FIRST, 5.0, 0.15),
+        distance(FIRST, 2.0, 0.15),
+        distance(FIRST, 6.0, 0.4),
+        span(FIRST, Verdict.CLEAR, 4.0, 10.0, 0.1),
+    )["pairs"]
+    assert pair["distance"] == {"lower": 0.1, "upper": 0.15, "time": 2.0}
+
+
+@pytest.mark.parametrize("verdict", [Verdict.CONTACT, Verdict.UNRESOLVED])
+def test_lower_is_zero_where_contact_is_not_excluded(verdict):
+    (pair,) = folded(span(FIRST, Verdict.CLEAR, 0.0, 4.0, 0.2), span(FIRST, verdict, 4.0, 10.0, math.nan))["pairs"]
+    assert pair["distance"]["lower"] == 0.0
+
+
+def test_lower_is_zero_where_one_spans_clearance_is_unknown():
+    spans = [span(FIRST, Verdict.CLEAR, 0.0, 4.0, 0.2), span(FIRST, Verdict.POSSIBLE, 4.0, 10.0, math.nan)]
+    assert folded(*spans)["pairs"][0]["distance"]["lower"] == 0.0
+
+
+def test_contacts_are_brackets_in_time_order_whatever_the_order_found():
+    events = [
+        collision(FIRST, Phase.BEGIN, 0.0, 0.0),
+        collision(FIRST, Phase.END, 1.1, 1.0),
+        collision(FIRST, Phase.BEGIN, 2.0, 2.1),
+        collision(FIRST, Phase.END, 3.1, 3.0),
+        collision(FIRST, Phase.BEGIN, 9.0, 9.1),
+    ]
+    expected = [
+        {"begin": [0.0, 0.0], "end": [1.0, 1.1]},
+        {"begin": [2.0, 2.1], "end": [3.0, 3.1]},
+        {"begin": [9.0, 9.1], "end": None},
+    ]
+    for seed in range(20):
+        random.Random(seed).shuffle(events)
+        summary = folded(*events)
+        assert summary["pairs"][0]["contacts"] == expected
+        assert summary["pairs"][0]["verdict"] == "contact"
+        assert summary["totals"]["contacts"] == 3
+
+
+def test_unresolved_spans_are_listed_in_time_order():
+    (pair,) = folded(span(FIRST, Verdict.UNRESOLVED, 5.0, 6.0), span(FIRST, Verdict.UNRESOLVED, 1.0, 2.0))["pairs"]
+    assert pair["unresolved"] == [[1.0, 2.0], [5.0, 6.0]]
+
+
+def test_queries_count_wakeups_by_the_level_that_answered():
+    summary = folded(*(wakeup(FIRST, level) for level in (Level.SPHERE, Level.MESH, Level.MESH, Level.HULL)))
+    assert summary["pairs"][0]["wakeups"] == 4
+    assert summary["pairs"][0]["queries"] == {"sphere": 1, "hull": 1, "mesh": 2}
+    assert summary["totals"]["queries"] == {"sphere": 1, "hull": 1, "mesh": 2}
+
+
+def test_pairs_stand_by_pair_id_and_those_never_seen_count_as_clear():
+    summary = folded(
+        span(THIRD, Verdict.CLEAR, 0.0, 10.0),
+        span(FIRST, Verdict.CONTACT, 0.0, 10.0),
+        span(SECOND, Verdict.POSSIBLE, 0.0, 10.0),
+        pairs_total=1000,
+    )
+    assert [pair["pair"] for pair in summary["pairs"]] == ["gear|hammer", "gear|bench", "hammer|bench"]
+    assert summary["totals"]["pairs"] == {"contact": 1, "breach": 0, "unresolved": 0, "possible": 1, "clear": 998}
+    assert sum(summary["totals"]["pairs"].values()) == summary["pairs_total"]
+
+
+def test_json_has_null_for_the_unknown_and_never_nan():
+    text = to_json(
+        folded(
+            span(FIRST, Verdict.CONTACT, 0.0, 10.0, math.nan),
+            span(SECOND, Verdict.CLEAR, 0.0, 10.0, math.inf),
+            span(THIRD, Verdict.POSSIBLE, 0.0, 10.0, math.nan),
+            distance(FIRST, 1.0, math.nan),
+        )
+    )
+    summary = json.loads(text, parse_constant=pytest.fail)
+    assert [pair["distance"] for pair in summary["pairs"]] == [{"lower": 0.0, "upper": None, "time": None}] * 3
+
+
+def test_a_nan_distance_does_not_hide_a_measured_one():
+    for values in ([math.nan, 0.3], [0.3, math.nan]):
+        (pair,) = folded(*(distance(FIRST, float(time), value) for time, value in enumerate(values)))["pairs"]
+        assert pair["distance"]["upper"] == 0.3
+
+
+def test_a_pair_without_spans_is_proved_nothing():
+    assert folded(wakeup(FIRST, Level.MESH))["pairs"][0]["verdict"] == "unresolved"
