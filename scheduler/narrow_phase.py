@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from time import perf_counter
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import fcl
 import numpy as np
@@ -212,7 +212,8 @@ class NarrowPhase:
         began = perf_counter()
         core = fcl.distance(one.object, other.object, _DISTANCE_REQUEST, result)
         self.seconds += perf_counter() - began
-        (ax, ay, az), (bx, by, bz) = (point.tolist() for point in result.nearest_points)
+        witnesses: Any = result.nearest_points
+        (ax, ay, az), (bx, by, bz) = (point.tolist() for point in witnesses)
         if core <= 0.0:
             return _meeting(one, other, result.b1, result.b2, (ax, ay, az))
         return Proximity.of_rounded(one.rounded(result.b1, (ax, ay, az)), other.rounded(result.b2, (bx, by, bz)))

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from closecall.scheduler.vector import Vector
 from scipy.spatial.transform import Rotation
 
 from closecall.scheduler.chain import Ball, Chain, Extent, Joint, origin_reach
@@ -21,13 +22,18 @@ SAMPLES = 400
 ROUNDING = 1e-9
 
 
-def random_unit(rng):
+def vector(array) -> Vector:
+    x, y, z = map(float, array)
+    return x, y, z
+
+
+def random_unit(rng) -> Vector:
     v = rng.normal(size=3)
-    return tuple(map(float, v / np.linalg.norm(v)))
+    return vector(v / np.linalg.norm(v))
 
 
-def random_vector(rng, size=1.0):
-    return tuple(map(float, rng.normal(size=3) * size))
+def random_vector(rng, size=1.0) -> Vector:
+    return vector(rng.normal(size=3) * size)
 
 
 def constant(rng) -> Motion:
@@ -233,7 +239,7 @@ def random_chain(rng, points, radius) -> Chain:
     tail = np.eye(4)
     tail[:3, 3] = rng.normal(size=3) * 0.3
     centre = points.mean(axis=0)
-    ball = Ball(tuple(map(float, centre)), float(np.max(np.linalg.norm(points - centre, axis=1)) + radius))
+    ball = Ball(vector(centre), float(np.max(np.linalg.norm(points - centre, axis=1)) + radius))
     return Chain(tuple(joints), tail, Extent(points, np.full(len(points), radius), ball))
 
 

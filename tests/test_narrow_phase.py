@@ -166,7 +166,7 @@ def test_two_crossing_triangles_meet_in_a_point_of_both():
     assert point is not None
     assert point[2] == pytest.approx(0.0)
     assert 0.2 <= point[0] <= 0.3
-    assert meeting_point(CORNERS, tuple((x, y, z + 5.0) for x, y, z in other)) is None
+    assert meeting_point(CORNERS, ((0.2, 0.2, 4.0), (0.3, 0.2, 6.0), (0.2, 0.3, 6.0))) is None
 
 
 def test_winding_number_is_one_inside_and_zero_outside_of_a_closed_mesh():

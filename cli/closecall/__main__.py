@@ -1,5 +1,5 @@
 """Entry of ``python -m closecall``."""
 
-from .cli.main import main
+from closecall.cli.main import main
 
 main()
