@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from closecall.scheduler.vector import Vector
 from scipy.spatial.transform import Rotation
 
 from closecall.scheduler.chain import Ball, Chain, Extent, Joint, origin_reach
@@ -16,6 +15,7 @@ from closecall.scheduler.motions import (
     Screw,
     Swing,
 )
+from closecall.scheduler.vector import Vector
 
 CASES = 300
 SAMPLES = 400
