@@ -1,0 +1,109 @@
+"""A body's surface as the oracle sees it: triangles with rounding radii, its connected parts, its solids."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .meshes import read_triangles, topology
+from .motions import Units
+from .poses import units_of
+from .rigid import METRES, FloatArray, numbers, pose_of
+
+Z_UP_FROM_Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+BOX_CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+BOX_TRIANGLES = np.array(
+    [
+        *([0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1]),
+        *([2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]),
+    ]
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """The triangles of a body in its own frame, in m.
+
+    A point is the triangle (p, p, p), a segment (a, b, b). The body is all points within `radii` of its triangle,
+    and all points inside a closed shape.
+
+    Attributes:
+        triangles: (n, 3, 3) m.
+        radii: (n,) m, the rounding radius of each triangle's shape.
+        probes: (k, 3) m, one corner of each connected part of each shape.
+        solids: the closed shapes, each (m, 3, 3) m.
+    """
+
+    triangles: FloatArray
+    radii: FloatArray
+    probes: FloatArray
+    solids: tuple[FloatArray, ...]
+
+    @cached_property
+    def extent(self) -> float:
+        """The largest distance (m) of a point of the body from its frame's origin."""
+        if not len(self.triangles):
+            return 0.0
+        return float((np.linalg.norm(self.triangles, axis=2) + self.radii[:, None]).max())
+
+    @cached_property
+    def groups(self) -> tuple[NDArray[np.int64], ...]:
+        """Indices of near triangles, at most 8 a group, by halving along the longest side."""
+        return tuple(halved(self.triangles.mean(axis=1), np.arange(len(self.triangles))))
+
+
+def halved(centres: FloatArray, indices: NDArray[np.int64]) -> list[NDArray[np.int64]]:
+    """Split indices of centres (n, 3) into groups of at most 8, at the median of the widest axis."""
+    if len(indices) <= 8:
+        return [indices] if len(indices) else []
+    points = centres[indices]
+    order = indices[np.argsort(points[:, np.argmax(np.ptp(points, axis=0))], kind="stable")]
+    middle = len(order) // 2
+    return halved(centres, order[:middle]) + halved(centres, order[middle:])
+
+
+def surface_of(scene: Mapping[str, Any], name: str, folder: Path) -> Surface:
+    """Build a body's surface; mesh files are found relative to the scene's folder."""
+    units = units_of(scene)
+    shapes = ((scene["bodies"][name] or {}).get("shapes")) or []
+    cores = [core_of(scene, shape, folder, units) for shape in shapes]
+    triangles = [core for core, _ in cores]
+    kinds = [topology(core) for core in triangles]
+    probes = [core[kind.parts, 0] for core, kind in zip(triangles, kinds, strict=True)]
+    return Surface(
+        np.concatenate([np.zeros((0, 3, 3)), *triangles]),
+        np.concatenate([np.zeros(0), *(np.full(len(core), radius) for core, radius in cores)]),
+        np.concatenate([np.zeros((0, 3)), *probes]),
+        tuple(core for core, kind in zip(triangles, kinds, strict=True) if kind.closed and len(core) > 3),
+    )
+
+
+def core_of(scene: Mapping[str, Any], shape: Mapping[str, Any], folder: Path, units: Units) -> tuple[FloatArray, float]:
+    """Return a shape's triangles (n, 3, 3) m in the body's frame, and its rounding radius in m."""
+    radius = 0.0
+    if "mesh" in shape:
+        core = mesh_core(scene["meshes"][shape["mesh"]], folder) * numbers(shape.get("scale", 1.0))
+    elif "box" in shape:
+        core = (BOX_CORNERS * numbers(shape["box"]) * units.metres)[BOX_TRIANGLES]
+    elif "sphere" in shape:
+        core, radius = np.zeros((1, 3, 3)), float(shape["sphere"]) * units.metres
+    elif "capsule" in shape:
+        radius = float(shape["capsule"]["radius"]) * units.metres
+        half = 0.5 * float(shape["capsule"]["length"]) * units.metres
+        core = np.array([[[0.0, 0.0, -half], [0.0, 0.0, half], [0.0, 0.0, half]]])
+    else:
+        raise NotImplementedError(f"the oracle does not know shape {sorted(shape)}")
+    pose = pose_of(shape.get("pose"), units.metres, units.radians)
+    return core @ pose[:3, :3].T + pose[:3, 3], radius
+
+
+def mesh_core(mesh: Mapping[str, Any], folder: Path) -> FloatArray:
+    """Return a mesh file's triangles (n, 3, 3) in m, z up."""
+    triangles = read_triangles(folder / mesh["file"]) * METRES[mesh["units"]]
+    return triangles @ Z_UP_FROM_Y_UP.T if mesh.get("up", "z") == "y" else triangles

@@ -1,0 +1,110 @@
+"""Hold a log against the truth of its scene: every promise of the log format that brute force can test.
+
+`check_log` reads the files; `check` takes the decoded values, so that a test may spoil them first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .check_events import check_collisions, check_distances, check_wakeups
+from .check_frames import check_transforms, check_windows
+from .check_spans import check_certificate, check_contacts, check_depths, check_tiling
+from .logs import Log, read_log
+from .sampling import Effort, sample
+from .truth import Pair, Truth
+
+Values = dict[str, Any]
+
+PAIR_TOPICS = ("spans", "collisions", "distances", "wakeups")
+
+OWN_TIME = {"spans": "end", "collisions": "time_touching"}
+"""Messages whose timestamp repeats one of their own times."""
+
+
+def check_log(scene_path: Path, log_path: Path, *, effort: Effort | None = None, epoch: int = 0) -> list[str]:
+    """Return what is wrong with a log of a scene, a line each; nothing when it holds.
+
+    Args:
+        scene_path: the scene file, its meshes beside it.
+        log_path: the MCAP log of a run of it.
+        effort: how hard to try.
+        epoch: ns that the run added to its times.
+    """
+    return check(Truth(scene_path), read_log(log_path), effort=effort, epoch=epoch)
+
+
+def check(truth: Truth, log: Log, *, effort: Effort | None = None, epoch: int = 0) -> list[str]:
+    """Return what is wrong with decoded values of a log, a line each."""
+    effort = effort or Effort()
+    faults = [*check_times(log, epoch), *check_names(truth, log)]
+    faults += check_transforms(truth, log, effort, epoch)
+    faults += check_windows(truth, log, effort)
+    if any("no such pair" in fault for fault in faults):
+        return faults
+    by_pair = {topic: log.by_pair(topic) for topic in PAIR_TOPICS}
+    for a, b in truth.pairs():
+        facts = {topic: found.get(f"{a}|{b}", []) for topic, found in by_pair.items()}
+        faults += check_pair(truth, (a, b), facts, effort, epoch)
+    return faults
+
+
+def check_pair(truth: Truth, pair: Pair, facts: dict[str, list[Values]], effort: Effort, epoch: int) -> Iterable[str]:
+    """Yield what is wrong about one pair, given its messages by topic.
+
+    Without spans it must never touch, nor come within its margin.
+    """
+    spans = sorted(facts["spans"], key=lambda span: span["start"])
+    collisions = sorted(facts["collisions"], key=lambda event: event["time_clear"])
+    samples = sample(truth, pair, spans, effort)
+    yield from check_tiling(truth, pair, spans)
+    yield from check_certificate(truth, pair, spans, samples)
+    yield from check_depths(truth, pair, spans, samples, effort)
+    yield from check_contacts(truth, pair, spans, collisions, effort)
+    yield from check_collisions(truth, pair, collisions)
+    yield from check_distances(truth, pair, facts["distances"], effort, epoch)
+    yield from check_wakeups(truth, pair, facts["wakeups"], samples, effort, epoch)
+
+
+def check_times(log: Log, epoch: int) -> Iterable[str]:
+    """Log and publish times repeat the timestamp, which repeats the message's own time; readers get them in order."""
+    for topic, messages in log.topics.items():
+        latest = -1
+        for message in messages:
+            stamp = message.get("timestamp", message["log_time"])
+            if not stamp == message["log_time"] == message["publish_time"]:
+                yield f"/{topic} at {message['log_time']} ns: timestamp {stamp} differs"
+            if message["log_time"] < latest:
+                yield f"/{topic} at {message['log_time']} ns: comes after {latest} ns"
+            latest = message["log_time"]
+            own = message[OWN_TIME[topic]] if topic in OWN_TIME else None
+            if own is not None and abs(own * 1e9 - (stamp - epoch)) > 1.0 + 1e-6 * abs(own):
+                yield f"/{topic} at {stamp} ns: its own time is {own} s"
+
+
+def check_names(truth: Truth, log: Log) -> Iterable[str]:
+    """Every message of a pair names a pair that may be watched, lower body first, with the pair's rank."""
+    watched = {f"{a}|{b}": (a, b) for a, b in truth.pairs()}
+    seen: set[tuple[Any, ...]] = set()
+    for topic in PAIR_TOPICS:
+        for message in log.of(topic):
+            said = (message["pair"], message["body_a"], message["body_b"], message["pair_id"])
+            if said in seen:
+                continue
+            seen.add(said)
+            pair = watched.get(message["pair"])
+            if pair is None:
+                yield f"/{topic}: no such pair to watch: {message['pair']}"
+            elif said[1:] != (*pair, truth.pair_id(*pair)):
+                yield f"/{topic}: {message['pair']} has bodies {said[1:3]} and rank {said[3]}"
+
+
+def unresolved_share(log: Log) -> float:
+    """Return which part of all spans' time is UNRESOLVED: not a fault, but a measure of the tool."""
+    lengths = np.array([span["end"] - span["start"] for span in log.of("spans")])
+    unresolved = np.array([span["verdict"] == "UNRESOLVED" for span in log.of("spans")], dtype=bool)
+    return float(lengths[unresolved].sum() / lengths.sum()) if len(lengths) else 0.0

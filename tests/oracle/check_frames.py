@@ -1,0 +1,63 @@
+"""Checks of what viewers and the broad phase are told: transforms, swept boxes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from .logs import Log
+from .sampling import Effort
+from .truth import Truth, point, seconds
+
+Values = dict[str, Any]
+
+
+def check_transforms(truth: Truth, log: Log, effort: Effort, epoch: int) -> Iterable[str]:
+    """Logged transforms are the bodies' poses in the world."""
+    rng = np.random.default_rng(effort.seed)
+    messages = log.of("tf")
+    order = rng.permutation(len(messages))[: effort.messages]
+    for message in (messages[i] for i in order):
+        time = seconds(message, epoch)
+        for transform in message["transforms"]:
+            yield from check_transform(truth, transform, time)
+
+
+def check_transform(truth: Truth, transform: Values, time: float) -> Iterable[str]:
+    """One transform at one time (s); its timestamp is in ns."""
+    name = transform["child_frame_id"]
+    if name not in truth.names:
+        yield f"/tf at {time} s: no body {name}"
+        return
+    if transform["parent_frame_id"] != "world":
+        yield f"/tf at {time} s: {name} has parent {transform['parent_frame_id']}"
+    times = np.array([time])
+    true = truth.kinematics.world_from_body(name, times)[0]
+    blur = float(truth.blur(name, times)[0])
+    moved = np.linalg.norm(true[:3, 3] - np.array(point(transform["translation"])))
+    turn = transform["rotation"]
+    turned = Rotation.from_quat([turn[key] for key in "xyzw"]).as_matrix() - true[:3, :3]
+    off = moved + np.linalg.norm(turned) * truth.surfaces[name].extent
+    if not off <= truth.tolerance + blur:
+        yield f"/tf at {time} s: {name} is {off:.3g} m off"
+
+
+def check_windows(truth: Truth, log: Log, effort: Effort) -> Iterable[str]:
+    """A body's corners, rounded, stay in its swept box throughout the window."""
+    rng = np.random.default_rng(effort.seed)
+    messages = log.of("windows")
+    for message in (messages[i] for i in rng.permutation(len(messages))[: effort.messages]):
+        name = message["body"]
+        surface = truth.surfaces[name]
+        times = np.linspace(message["start"], message["end"], 25)
+        poses = truth.kinematics.world_from_body(name, times)
+        corners = surface.triangles.reshape(-1, 3) @ np.swapaxes(poses[:, :3, :3], 1, 2) + poses[:, None, :3, 3]
+        rounding = np.repeat(surface.radii, 3)[:, None]
+        low = np.array(point(message["box_min"])) - (corners - rounding)
+        high = (corners + rounding) - np.array(point(message["box_max"]))
+        outside = float(np.maximum(low, high).max(initial=-np.inf))
+        if outside > truth.tolerance:
+            yield f"/windows: {name} leaves its box [{message['start']}, {message['end']}] by {outside:.3g} m"

@@ -1,0 +1,191 @@
+"""The exact distance of two bodies at many relative poses: spheres rule triangle pairs out, brute force does the rest.
+
+Signed distance, here: positive = the distance (m) of the two bodies; negative = they overlap, and every motion of
+less than its magnitude leaves them overlapping (some such depth, not the largest).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .bodies import Surface
+from .inside import Containment
+from .rigid import FloatArray, IntArray, inverse
+from .triangles import separation
+
+BATCH = 16_000
+"""Triangle pairs evaluated in one go: more leave the processor's cache."""
+
+ROUNDS = (3, 9, 27, 81, 1 << 40)
+"""How many candidates of an instant have been evaluated after each round; each round sharpens the cut for the next."""
+
+CHUNK_CELLS = 2_000_000
+"""Instants times group pairs bounded in one go."""
+
+SURE = 1e-9
+"""m: an overlap deeper than this is not looked at further."""
+
+
+class PairDistance:
+    """Distances of body b from body a, given poses of b in the frame of a."""
+
+    def __init__(self, a: Surface, b: Surface) -> None:
+        self.a, self.b = Cover(a), Cover(b)
+        self.inside = (Containment(b, a), Containment(a, b))
+
+    def lower_bounds(self, poses: FloatArray) -> FloatArray:
+        """Return (n,) m: cheap lower bounds on the distance of the surfaces at poses (n, 4, 4)."""
+        step = max(1, CHUNK_CELLS // (len(self.a.group_radii) * len(self.b.group_radii)))
+        parts = [self._group_bounds(poses[i : i + step]).min(axis=(1, 2)) for i in range(0, len(poses), step)]
+        return np.concatenate([np.zeros(0), *parts])
+
+    def signed(self, poses: FloatArray) -> FloatArray:
+        """Return (n,) m: signed distances of the bodies, solids included, at poses (n, 4, 4)."""
+        contained = self.contained(poses)
+        out = self.lower_bounds(poses)
+        exact = ~contained | (out <= SURE)
+        out[exact] = self.surfaces(poses[exact])
+        return np.where(contained & (out > 0.0), -out, out)
+
+    def contained(self, poses: FloatArray) -> NDArray[np.bool_]:
+        """Tell at which poses (n, 4, 4) a part of one body has a corner inside a solid of the other: an overlap."""
+        return self.inside[0].any_inside(poses) | self.inside[1].any_inside(inverse(poses))
+
+    def surfaces(self, poses: FloatArray) -> FloatArray:
+        """Return (n,) m: signed distances of the surfaces alone, blind to containment."""
+        step = max(1, CHUNK_CELLS // (len(self.a.group_radii) * len(self.b.group_radii)))
+        parts = [self._surfaces(poses[i : i + step]) for i in range(0, len(poses), step)]
+        return np.concatenate([np.zeros(0), *parts])
+
+    def _surfaces(self, poses: FloatArray) -> FloatArray:
+        placed = Placed(poses, self.a, self.b)
+        groups = self._group_bounds(poses)
+        best = np.full(len(poses), np.inf)
+        flat = groups.reshape(len(poses), -1)
+        nearest = np.unravel_index(flat.argmin(axis=1), groups.shape[1:])
+        self._improve(placed, best, np.arange(len(poses)), nearest[0], nearest[1])
+        open_ = (groups < best[:, None, None]) & (best > -SURE)[:, None, None]
+        open_[np.arange(len(poses)), nearest[0], nearest[1]] = False
+        self._improve(placed, best, *np.nonzero(open_))
+        return best
+
+    def _group_bounds(self, poses: FloatArray) -> FloatArray:
+        """Return (n, groups of a, groups of b) m: bounds from the groups' spheres and boxes."""
+        a, b = self.a, self.b
+        back = inverse(poses)
+        in_a = (b.group_centres @ np.swapaxes(poses[:, :3, :3], 1, 2) + poses[:, None, :3, 3])[:, None]
+        in_b = (a.group_centres @ np.swapaxes(back[:, :3, :3], 1, 2) + back[:, None, :3, 3])[:, :, None]
+        over_a = box_gap(in_a, a.group_lows[:, None], a.group_highs[:, None]) - b.group_radii
+        over_b = box_gap(in_b, b.group_lows, b.group_highs) - a.group_radii[:, None]
+        return np.maximum(over_a, over_b)
+
+    def _improve(self, placed: Placed, best: FloatArray, at: IntArray, group_a: IntArray, group_b: IntArray) -> None:
+        """Lower `best` (n,) by all triangle pairs of the given pairs of groups, nearest candidates first."""
+        at, i, j, bounds = self._candidates(placed, best, at, group_a, group_b)
+        order = np.lexsort((bounds, at))
+        at, i, j, bounds = at[order], i[order], j[order], bounds[order]
+        rank = np.arange(len(at)) - np.searchsorted(at, at, side="left")
+        done = 0
+        for until in ROUNDS:
+            todo = np.flatnonzero((rank >= done) & (rank < until) & (bounds < best[at]) & (best[at] > -SURE))
+            for part in np.array_split(todo, max(1, -(-len(todo) // BATCH))):
+                found = self._separations(placed.poses[at[part]], i[part], j[part])
+                np.minimum.at(best, at[part], found)
+            done = until
+
+    def _candidates(
+        self, placed: Placed, best: FloatArray, at: IntArray, group_a: IntArray, group_b: IntArray
+    ) -> tuple[IntArray, IntArray, IntArray, FloatArray]:
+        """Return instants, triangles of a and b, and their lower bounds (m), where these are below `best`."""
+        i = np.repeat(self.a.members[group_a], self.b.members.shape[1], axis=1)
+        j = np.tile(self.b.members[group_b], (1, self.a.members.shape[1]))
+        keep = (i >= 0) & (j >= 0)
+        at, i, j = np.broadcast_to(at[:, None], i.shape)[keep], i[keep], j[keep]
+        bounds = self._sphere_bounds(placed, at, i, j)
+        keep = bounds < best[at]
+        at, i, j = at[keep], i[keep], j[keep]
+        bounds = np.maximum(bounds[keep], self._box_bounds(placed, at, i, j))
+        keep = bounds < best[at]
+        return at[keep], i[keep], j[keep], bounds[keep]
+
+    def _sphere_bounds(self, placed: Placed, at: IntArray, i: IntArray, j: IntArray) -> FloatArray:
+        """Return lower bounds (m) on the distances of triangles i of a and j of b from their spheres."""
+        between = placed.centres_b[at, j] - self.a.centres[i]
+        gaps = np.sqrt(np.einsum("nk,nk->n", between, between))
+        return gaps - (self.a.reach + self.a.radii)[i] - (self.b.reach + self.b.radii)[j]
+
+    def _box_bounds(self, placed: Placed, at: IntArray, i: IntArray, j: IntArray) -> FloatArray:
+        """Return lower bounds (m) from the box of one triangle against the sphere of the other, both ways."""
+        a, b = self.a, self.b
+        over_a = box_gap(placed.centres_b[at, j], a.lows[i], a.highs[i]) - b.reach[j]
+        over_b = box_gap(placed.centres_a[at, i], b.lows[j], b.highs[j]) - a.reach[i]
+        return np.maximum(over_a, over_b) - a.radii[i] - b.radii[j]
+
+    def _separations(self, poses: FloatArray, i: IntArray, j: IntArray) -> FloatArray:
+        """Return the signed distances (m) of triangles i of a and j of b, rounding radii off."""
+        a = self.a.corner_first[:, i]
+        b = self.b.corner_first[:, j]
+        moved = np.einsum("nxy,ynk->xnk", poses[:, :3, :3], b) + poses[:, :3, 3].T[:, :, None]
+        return separation(a, np.ascontiguousarray(moved)) - self.a.radii[i] - self.b.radii[j]
+
+
+class Placed:
+    """Where the spheres about the triangles are at poses (n, 4, 4) of b in a: each body's in the other's frame."""
+
+    def __init__(self, poses: FloatArray, a: Cover, b: Cover) -> None:
+        back = inverse(poses)
+        self.poses = poses
+        self.centres_b = b.centres @ np.swapaxes(poses[:, :3, :3], 1, 2) + poses[:, None, :3, 3]
+        self.centres_a = a.centres @ np.swapaxes(back[:, :3, :3], 1, 2) + back[:, None, :3, 3]
+
+
+class Cover:
+    """A surface's triangles with what encloses them: spheres and boxes of triangles, spheres of groups.
+
+    Attributes:
+        centres, reach: (n, 3) m, (n,) m, a sphere about each triangle without its rounding radius.
+        lows, highs: (n, 3) m, the axis-aligned box of each triangle.
+        members: (g, 8) triangle indices of each group, -1 where it has fewer.
+        group_centres, group_radii: (g, 3) m, (g,) m, spheres about the groups with rounding radii.
+        group_lows, group_highs: (g, 3) m, boxes about the groups with rounding radii.
+    """
+
+    def __init__(self, surface: Surface) -> None:
+        triangles = surface.triangles
+        self.radii = surface.radii
+        self.corner_first = np.ascontiguousarray(np.moveaxis(triangles, 2, 0))
+        self.lows, self.highs = triangles.min(axis=1), triangles.max(axis=1)
+        self.centres = sphere_centres(triangles)
+        self.reach = np.linalg.norm(triangles - self.centres[:, None], axis=2).max(axis=1)
+        self.members = np.full((len(surface.groups), 8), -1)
+        self.group_centres = np.zeros((len(surface.groups), 3))
+        self.group_lows, self.group_highs = np.zeros_like(self.group_centres), np.zeros_like(self.group_centres)
+        self.group_radii = np.zeros(len(surface.groups))
+        for index, group in enumerate(surface.groups):
+            self.members[index, : len(group)] = group
+            corners = triangles[group].reshape(-1, 3)
+            rounding = surface.radii[group].max()
+            self.group_lows[index], self.group_highs[index] = corners.min(axis=0), corners.max(axis=0)
+            self.group_centres[index] = 0.5 * (self.group_lows[index] + self.group_highs[index])
+            self.group_lows[index] -= rounding
+            self.group_highs[index] += rounding
+            gaps = np.linalg.norm(triangles[group] - self.group_centres[index], axis=2).max(axis=1)
+            self.group_radii[index] = (gaps + surface.radii[group]).max()
+
+
+def box_gap(points: FloatArray, lows: FloatArray, highs: FloatArray) -> FloatArray:
+    """Return (...) m: distances of points (..., 3) to axis-aligned boxes."""
+    out = np.maximum(np.maximum(lows - points, points - highs), 0.0)
+    return np.sqrt(np.einsum("...k,...k->...", out, out))
+
+
+def sphere_centres(triangles: FloatArray) -> FloatArray:
+    """Return (n, 3) m: centres of small spheres about triangles: mid of the longest edge if obtuse, else centroid."""
+    opposite = np.linalg.norm(np.roll(triangles, -1, axis=1) - np.roll(triangles, -2, axis=1), axis=2)
+    longest = opposite.argmax(axis=1)
+    squares = opposite**2
+    rows = np.arange(len(triangles))
+    obtuse = 2.0 * squares[rows, longest] >= squares.sum(axis=1)
+    middles = 0.5 * (triangles.sum(axis=1) - triangles[rows, longest])
+    return np.where(obtuse[:, None], middles, triangles.mean(axis=1))

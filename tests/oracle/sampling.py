@@ -1,0 +1,138 @@
+"""Instants at which a pair's certificate is tried: everywhere a little, and again where it is nearest to breaking."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .rigid import FloatArray, IntArray
+from .truth import Pair, Truth
+
+Values = dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Effort:
+    """How hard to try.
+
+    Attributes:
+        uniform, scattered: instants of each pair, evenly spaced and at random.
+        minima: local minima of a pair that are searched further.
+        messages: messages of one topic and pair that are held against the truth.
+        seed: of the random instants.
+    """
+
+    uniform: int = 500
+    scattered: int = 125
+    minima: int = 8
+    messages: int = 60
+    seed: int = 0
+
+
+OFFSETS = np.array([1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3])
+"""s: how far inside its ends a span is tried too."""
+
+SECTIONS, ROUNDS = 14, 6
+"""A minimum's neighbourhood is cut in so many sections, so many times: to (2/15)^6 = 6e-6 of two steps."""
+
+REACH = 3.0
+"""Instants further from breaking than this many steps of motion are judged by a lower bound alone."""
+
+
+@dataclass(frozen=True, slots=True)
+class Samples:
+    """Instants (n,) s, and at each the signed distance in m, or a lower bound above what the span promises."""
+
+    times: FloatArray
+    signed: FloatArray
+
+
+def sample(truth: Truth, pair: Pair, spans: Sequence[Values], effort: Effort) -> Samples:
+    """Try a pair over its whole time outside of contacts; `spans` are in order of time."""
+    times = outside_contacts(spans, instants(truth, pair, spans, effort))
+    if not len(times):
+        return Samples(times, times)
+    promised = clearances(spans, times)
+    poses = truth.kinematics.relative(*pair, times)
+    steps = truth.steps(*pair, poses)
+    near = np.maximum(np.append(steps, 0.0), np.insert(steps, 0, 0.0))
+    signed = truth.pair(*pair).lower_bounds(poses)
+    exact = signed - promised < REACH * near + truth.tolerance
+    signed[exact] = truth.pair(*pair).signed(poses[exact])
+    held = ~exact & truth.pair(*pair).contained(poses)
+    signed[held] = -np.abs(signed[held])
+    lowest = minima(times, signed - promised, near, effort.minima)
+    more = search(truth, pair, spans, times, lowest)
+    return Samples(np.concatenate([times, more.times]), np.concatenate([signed, more.signed]))
+
+
+def instants(truth: Truth, pair: Pair, spans: Sequence[Values], effort: Effort) -> FloatArray:
+    """Return the first instants: a grid, random ones, both sides of spans' ends and of keys."""
+    start, end = truth.interval(*pair)
+    rng = np.random.default_rng([effort.seed, truth.pair_id(*pair)])
+    ends = np.array([[span["start"], span["end"]] for span in spans]).reshape(-1)
+    if len(ends) > 400:
+        ends = rng.choice(ends, 400, replace=False)
+    knots = truth.kinematics.knots(*pair)
+    knots = np.concatenate([np.nextafter(knots, -np.inf), knots])
+    around = (np.concatenate([ends, knots])[:, None] + np.concatenate([-OFFSETS, OFFSETS])).reshape(-1)
+    grid = np.linspace(start, end, effort.uniform)
+    times = np.concatenate([grid, rng.uniform(start, end, effort.scattered), around, knots])
+    return np.unique(times[(times >= start) & (times <= end)])
+
+
+def span_index(spans: Sequence[Values], times: FloatArray) -> IntArray:
+    """Return for each time the index of the span that holds it, or -1.
+
+    At an instant where two spans meet neither holds; the first span holds its start, the last one its end: a body
+    may jump into another at the last instant.
+    """
+    if not spans:
+        return np.full(len(times), -1)
+    starts, ends = (np.array([span[key] for span in spans]) for key in ("start", "end"))
+    index = np.maximum(np.searchsorted(starts, times, side="left") - 1, 0)
+    inside = (times > starts[index]) & (times < ends[index])
+    return np.where(inside | (times == starts[0]) | (times == ends[-1]), index, -1)
+
+
+def outside_contacts(spans: Sequence[Values], times: FloatArray) -> FloatArray:
+    """Return the times that are not inside a CONTACT span."""
+    contact = np.array([span["verdict"] == "CONTACT" for span in spans] + [False])
+    return times[~contact[span_index(spans, times)]]
+
+
+def clearances(spans: Sequence[Values], times: FloatArray) -> FloatArray:
+    """Return (n,) m: the clearance promised at each time, 0 where nothing is."""
+    promised = np.array([span["clearance"] for span in spans] + [0.0])
+    return np.nan_to_num(promised[span_index(spans, times)], nan=0.0)
+
+
+def minima(times: FloatArray, slack: FloatArray, near: FloatArray, count: int) -> FloatArray:
+    """Return (k, 2) s: the neighbourhoods of the lowest local minima of `slack` that motion could bring to 0."""
+    if len(times) < 3:
+        return np.zeros((0, 2))
+    middle = slack[1:-1]
+    lowest = (middle <= slack[:-2]) & (middle <= slack[2:]) & (middle < 2.0 * near[1:-1])
+    found = np.flatnonzero(lowest) + 1
+    found = found[np.argsort(slack[found], kind="stable")][:count]
+    return np.stack([times[found - 1], times[found + 1]], axis=1)
+
+
+def search(truth: Truth, pair: Pair, spans: Sequence[Values], times: FloatArray, around: FloatArray) -> Samples:
+    """Narrow the neighbourhoods (k, 2) s of minima, all at once, and return every instant tried."""
+    tried, found = [times[:0]], [times[:0]]
+    for _ in range(ROUNDS if len(around) else 0):
+        grid = np.linspace(around[:, 0], around[:, 1], SECTIONS + 2, axis=1)
+        flat = grid.reshape(-1)
+        signed = truth.signed(*pair, flat)
+        inside = np.isin(flat, outside_contacts(spans, flat))
+        slack = np.where(inside, signed - clearances(spans, flat), np.inf).reshape(grid.shape)
+        best = np.clip(slack.argmin(axis=1), 1, SECTIONS)
+        rows = np.arange(len(grid))
+        around = np.stack([grid[rows, best - 1], grid[rows, best + 1]], axis=1)
+        tried.append(flat[inside])
+        found.append(signed[inside])
+    return Samples(np.concatenate(tried), np.concatenate(found))

@@ -1,0 +1,133 @@
+"""Random scenes run through the tool, their logs held against the oracle by brute force.
+
+A failure names its seeds. By hand, from tests/: `python -m oracle SEED FOLDER` writes the scene of a seed, and
+`python -m oracle SCENE LOG` checks a log of it.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable
+from copy import deepcopy
+from pathlib import Path
+from unittest.mock import patch
+
+import pytest
+
+from closecall.cli.main import main
+from oracle.check import check, check_log, unresolved_share
+from oracle.logs import Log, read_log
+from oracle.sampling import Effort
+from oracle.scenes import write_scene
+from oracle.truth import Truth
+
+SCENES_PER_TEST = 5
+
+DEEP_SCENES = int(os.environ.get("CLOSECALL_DEEP_SCENES", "2000"))
+"""How many seeds the deep test takes; CLOSECALL_DEEP_FIRST is the first of them."""
+
+DEEP_FIRST = int(os.environ.get("CLOSECALL_DEEP_FIRST", "1000000"))
+
+
+def run(seed: int, folder: Path) -> tuple[Path, Path]:
+    """Write the scene of a seed, run the tool on it, and return the scene file and the log."""
+    folder.mkdir()
+    scene = write_scene(seed, folder)
+    log = folder / f"seed_{seed}.mcap"
+    with patch.object(sys, "argv", ["closecall", "run", str(scene), "-o", str(log), "--quiet"]):
+        with pytest.raises(SystemExit) as ended:
+            main()
+        assert not ended.value.code, f"seed {seed}: exit {ended.value.code}"
+    return scene, log
+
+
+def faults_of(seed: int, folder: Path, effort: Effort) -> list[str]:
+    """Return what is wrong with the log of a seed, each line with the seed."""
+    return [f"seed {seed}: {fault}" for fault in check_log(*run(seed, folder), effort=effort)]
+
+
+@pytest.mark.parametrize("first", range(0, 100, SCENES_PER_TEST))
+def test_the_log_of_a_random_scene_is_true(first: int, tmp_path: Path) -> None:
+    seeds = range(first, first + SCENES_PER_TEST)
+    print("seeds", *seeds)
+    faults = [fault for seed in seeds for fault in faults_of(seed, tmp_path / str(seed), Effort(seed=seed))]
+    assert not faults, "\n".join(faults)
+
+
+@pytest.mark.deep
+def test_the_logs_of_many_random_scenes_are_true(tmp_path: Path) -> None:
+    effort = Effort(uniform=2000, scattered=500, minima=20, messages=200)
+    failed: list[str] = []
+    for seed in range(DEEP_FIRST, DEEP_FIRST + DEEP_SCENES):
+        faults = faults_of(seed, tmp_path / str(seed), effort)
+        print(*faults, sep="\n", end="", flush=True)
+        failed += faults[:3]
+    assert not failed, "\n".join(failed)
+
+
+@pytest.fixture(scope="module")
+def eventful(tmp_path_factory: pytest.TempPathFactory) -> tuple[Truth, Log]:
+    """The first random scene whose log has a contact that begins after the start, and ends."""
+    folder = tmp_path_factory.mktemp("eventful")
+    for seed in range(100):
+        scene, path = run(seed, folder / str(seed))
+        log = read_log(path)
+        ended = {event["pair"] for event in log.of("collisions") if event["phase"] == "END"}
+        began = {event["pair"] for event in log.of("collisions") if event["time_clear"] != event["time_touching"]}
+        if ended & began:
+            return Truth(scene), log
+    raise AssertionError("no random scene has a contact that begins and ends")
+
+
+def clear_the_contact(log: Log) -> None:
+    for span in log.of("spans"):
+        if span["verdict"] == "CONTACT":
+            span["verdict"] = "CLEAR"
+
+
+def raise_a_clearance(log: Log) -> None:
+    """Say of the span around the first measured distance that the pair stays further apart than that."""
+    one = next(one for one in log.of("distances") if one["distance"] > 0.0)
+    time = one["timestamp"] * 1e-9
+    span = next(span for span in log.by_pair("spans")[one["pair"]] if span["start"] <= time < span["end"])
+    span["clearance"] = one["distance"] + 1e-5
+
+
+def shift_a_bracket(log: Log) -> None:
+    event = next(one for one in log.of("collisions") if one["time_clear"] != one["time_touching"])
+    way = event["time_clear"] - event["time_touching"]
+    event["time_touching"] += 3.0 * way
+    event["time_clear"] += 3.0 * way
+
+
+def tear_a_gap(log: Log) -> None:
+    next(span for span in log.of("spans") if span["verdict"] == "CLEAR")["end"] -= 1e-6
+
+
+def overstate_clearances(log: Log) -> None:
+    for wakeup in log.of("wakeups"):
+        wakeup["clearance"] += 1e-6
+
+
+SPOILED: list[tuple[Callable[[Log], None], str]] = [
+    (clear_the_contact, "touches at"),
+    (raise_a_clearance, "nearer than its clearance"),
+    (shift_a_bracket, "apart at its touching end"),
+    (tear_a_gap, "gap"),
+    (overstate_clearances, "wakeup at"),
+]
+
+
+@pytest.mark.parametrize(("spoil", "said"), SPOILED, ids=lambda value: getattr(value, "__name__", ""))
+def test_a_spoiled_log_is_objected_to(eventful: tuple[Truth, Log], spoil: Callable[[Log], None], said: str) -> None:
+    truth, log = eventful[0], deepcopy(eventful[1])
+    spoil(log)
+    faults = check(truth, log)
+    assert any(said in fault for fault in faults), "\n".join(faults)
+
+
+def test_little_of_the_time_stays_unresolved(tmp_path: Path) -> None:
+    """Honest but useless logs would pass all else: over the first scenes almost all time must have a verdict."""
+    shares = [unresolved_share(read_log(run(seed, tmp_path / str(seed))[1])) for seed in range(10)]
+    assert sum(shares) / len(shares) < 0.02
