@@ -2,26 +2,37 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import FrameType
+from typing import NoReturn
 
 import click
 
 
+class Terminated(BaseException):
+    """SIGTERM came."""
+
+
 @contextmanager
 def faults_reported(output: Path | None = None) -> Iterator[None]:
-    """Report what the user can mend, a line each, and exit 2; exit 130 where the user interrupts.
+    """Report what the user can mend, a line each, and exit 2; exit 130 or 143 where the user interrupts.
 
     Args:
         output: the log under way, whose partial file an interrupted user is told of.
     """
     from ..formats.log.errors import LogError
+    from ..formats.log.pipe import ClosedPipeError
     from ..formats.scene.errors import SceneError
 
+    signal.signal(signal.SIGTERM, _terminate)
     try:
         yield
+    except ClosedPipeError:
+        sys.exit(128 + signal.SIGPIPE)
     except (SceneError, LogError) as fault:
         click.echo(str(fault), err=True)
         sys.exit(2)
@@ -30,7 +41,15 @@ def faults_reported(output: Path | None = None) -> Iterator[None]:
         sys.exit(2)
     except KeyboardInterrupt:
         click.echo("interrupted" + _how_to_recover(output), err=True)
-        sys.exit(130)
+        sys.exit(128 + signal.SIGINT)
+    except Terminated:
+        click.echo("terminated" + _how_to_recover(output), err=True)
+        sys.exit(128 + signal.SIGTERM)
+
+
+def _terminate(number: int, frame: FrameType | None) -> NoReturn:
+    """Turn SIGTERM into an exception, so that the log is left in order."""
+    raise Terminated
 
 
 def _how_to_recover(output: Path | None) -> str:

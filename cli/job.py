@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import inf
 from pathlib import Path
 from time import perf_counter
 
 import click
 
+from ..formats.log.chunks import Compression
 from ..formats.log.summary import Summary
 from ..formats.log.writer import LogOptions, LogWriter
 from ..formats.scene.reader import read_scene
@@ -16,6 +18,9 @@ from ..scheduler.narrow_phase import NarrowPhase
 from ..scheduler.pair import pairs_that_might_collide
 from ..scheduler.run import run
 from ..scheduler.scene import Scene, Settings, least_duration
+from ..scheduler.snapshot import Observer, observed
+from .options import RunOptions
+from .progress import shown
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,32 +34,35 @@ class Result:
     warnings: tuple[str, ...]
     seconds: dict[str, float]
 
+    def finds(self, wanted: Sequence[str]) -> bool:
+        """Tell whether any pair has one of the wanted verdicts."""
+        return any(pair["verdict"] in wanted for pair in self.summary["pairs"])
 
-def run_job(
-    scene_path: Path,
-    output: Path,
-    overrides: Mapping[str, float | None],
-    options: LogOptions,
-    mesh_roots: Sequence[Path],
-) -> Result:
+
+def run_job(scene_path: Path, output: Path, options: RunOptions) -> Result:
     """Run a scene file into a log, settings given on the command line over the file's own.
 
     Raises:
         SceneError, LogError: for what the user can mend.
     """
     began = perf_counter()
-    loaded = read_scene(scene_path, mesh_roots)
-    settings = _settings(loaded.scene, loaded.settings, overrides)
+    loaded = read_scene(scene_path, options.mesh_roots)
+    settings = _settings(loaded.scene, loaded.settings, options)
     narrow_phase = NarrowPhase(loaded.scene.bodies)
     pairs = tuple(pairs_that_might_collide(loaded.scene, narrow_phase))
-    warnings = loaded.warnings
     if not pairs:
-        warnings = (*warnings, f"{scene_path}: nothing to check: no two bodies move relative to each other")
-    loaded = replace(loaded, warnings=warnings)
+        nothing = f"{scene_path}: nothing to check: no two bodies that may be checked move relative to each other"
+        loaded = replace(loaded, warnings=(*loaded.warnings, nothing))
+    events = run(loaded.scene, pairs, settings)
+    if options.log == "full" and hasattr(LogOptions, "viewer"):
+        observer = Observer(loaded.scene, pairs, options.viz_pairs)
+        events = observed(events, observer, loaded.scene, options.rate, settings.time_resolution)
+    if not options.quiet:
+        events = shown(events, loaded.scene.start, loaded.scene.end, scene_path.name)
     ready = perf_counter()
     writing = 0.0
-    with LogWriter(output, loaded, settings, len(pairs), options) as log:
-        for event in run(loaded.scene, pairs, settings):
+    with LogWriter(output, loaded, settings, len(pairs), _log_options(options)) as log:
+        for event in events:
             told = perf_counter()
             log.write(event)
             writing += perf_counter() - told
@@ -68,14 +76,25 @@ def run_job(
         "log": writing + done - scheduled,
         "total": done - began,
     }
-    return Result(summary, warnings, seconds)
+    return Result(summary, loaded.warnings, seconds)
 
 
-def _settings(scene: Scene, settings: Settings, overrides: Mapping[str, float | None]) -> Settings:
+def _log_options(options: RunOptions) -> LogOptions:
+    """Return what the log shall hold."""
+    return LogOptions(
+        compression=Compression(options.compression),
+        epoch=options.epoch,
+        attach_meshes=options.attach_meshes,
+    )
+
+
+def _settings(scene: Scene, settings: Settings, options: RunOptions) -> Settings:
     """Return the file's settings with the command line's over them."""
     least = least_duration(scene.start, scene.end)
-    for name, value in overrides.items():
-        if value is not None and not least <= value < float("inf"):
+    given = {"time_resolution": options.time_resolution, "contact_tolerance": options.contact_tolerance}
+    chosen = {name: value for name, value in given.items() if value is not None}
+    for name, value in chosen.items():
+        if not least <= value < inf:
             option = "--" + name.replace("_", "-")
             raise click.BadParameter(f"expected at least {least:.3g} s, got {value}.", param_hint=option)
-    return replace(settings, **{name: value for name, value in overrides.items() if value is not None})
+    return replace(settings, **chosen)

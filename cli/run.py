@@ -1,64 +1,54 @@
-"""`closecall run`: from a scene file to a certified log."""
+"""`closecall run`: from scene files to certified logs."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
-from .faults import faults_reported
-from .findings import FINDINGS, parse_findings
+from .options import RunOptions, run_options
 
 
 @click.command("run")
-@click.argument("scene", type=click.Path(path_type=Path))
-@click.option("-o", "--output", required=True, type=click.Path(path_type=Path), help="The log to write (.mcap).")
-@click.option("--time-resolution", type=float, metavar="S", help="Least step of the main loop, s; else the scene's.")
-@click.option("--contact-tolerance", type=float, metavar="S", help="Widest bracket of a contact's begin or end, s.")
-@click.option("--fail-on", callback=parse_findings, metavar="WHAT", help=f"Exit 1 if found: {','.join(FINDINGS)}.")
-@click.option("--epoch", type=int, default=0, show_default=True, metavar="NS", help="Added to every log time, ns.")
-@click.option("--compression", type=click.Choice(["zstd", "lz4", "none"]), default="zstd", show_default=True)
-@click.option(
-    "--attach-meshes/--no-attach-meshes", default=True, help="Keep the mesh files in the log (default), or not."
-)
-@click.option("--mesh-root", "mesh_roots", multiple=True, type=click.Path(path_type=Path), metavar="DIR",
-              help="A folder outside the scene's that meshes may come from; may be repeated.")  # fmt: skip
-@click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON instead of a table.")
-@click.option("-q", "--quiet", is_flag=True, help="Print no table and no warnings.")
-@click.option("-v", "--verbose", is_flag=True, help="Print what was run and what it took as well.")
-def command(
-    scene: Path,
-    output: Path,
-    time_resolution: float | None,
-    contact_tolerance: float | None,
-    fail_on: tuple[str, ...],
-    epoch: int,
-    compression: str,
-    attach_meshes: bool,
-    mesh_roots: tuple[Path, ...],
-    as_json: bool,
-    quiet: bool,
-    verbose: bool,
-) -> int:
-    """Run SCENE and write its certified log.
+@click.argument("scenes", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="SCENE...")
+@run_options
+def command(scenes: tuple[Path, ...], **given: Any) -> int:
+    """Run SCENE and write its certified log; with --out-dir, run many.
 
     Example: closecall run sample_scenes/near_gears/scene.yaml -o gears.mcap --fail-on contact
     """
-    from ..formats.log.chunks import Compression
-    from ..formats.log.writer import LogOptions
+    options = RunOptions(**given)
+    if (options.output is None) is (options.out_dir is None):
+        raise click.UsageError("Give either -o LOG, or --out-dir DIR.")
+    if options.out_dir is not None:
+        from .batch import run_many
+
+        return run_many(scenes, options.out_dir, options)
+    scene, *others = scenes
+    if others:
+        raise click.UsageError("Several scenes need --out-dir DIR instead of -o.")
+    assert options.output is not None
+    return _run_one(scene, options.output, options)
+
+
+def _run_one(scene: Path, output: Path, options: RunOptions) -> int:
+    """Run one scene; return the exit code."""
+    from ..formats.log.pipe import STDOUT
+    from .faults import faults_reported
     from .job import run_job
     from .show import print_json, print_seconds, print_summary, print_warnings
 
-    options = LogOptions(Compression(compression), epoch, attach_meshes)
-    given = {"time_resolution": time_resolution, "contact_tolerance": contact_tolerance}
+    if output == STDOUT and options.as_json:
+        raise click.UsageError("--json and -o - both want standard output.")
     with faults_reported(output):
-        result = run_job(scene, output, given, options, mesh_roots)
-    if not quiet:
+        result = run_job(scene, output, options)
+    if not options.quiet:
         print_warnings(result.warnings)
-    if as_json:
+    if options.as_json:
         print_json({**result.summary, "seconds": result.seconds})
-    elif not quiet:
-        print_summary(result.summary)
-    if verbose:
+    elif not options.quiet:
+        print_summary(result.summary, to_stderr=output == STDOUT)
+    if options.verbose:
         print_seconds(result.seconds)
-    return int(any(pair["verdict"] in fail_on for pair in result.summary["pairs"]))
+    return int(result.finds(options.fail_on))

@@ -16,8 +16,10 @@ from ..formats.log.summary import PairSummary, Summary
 #: Rows of the table for people.
 MOST_ROWS = 20
 
-_SEVERITY = ("contact", "breach", "unresolved", "possible", "clear")
-_STYLES = {"contact": "bold red", "breach": "red", "unresolved": "yellow", "possible": "yellow", "clear": "green"}
+#: Verdicts from worst to best.
+SEVERITY = ("contact", "breach", "unresolved", "possible", "clear")
+#: How each is printed.
+STYLES = {"contact": "bold red", "breach": "red", "unresolved": "yellow", "possible": "yellow", "clear": "green"}
 
 
 def print_warnings(warnings: Iterable[str]) -> None:
@@ -36,22 +38,22 @@ def print_seconds(seconds: Mapping[str, float]) -> None:
     click.echo("seconds: " + ", ".join(f"{name} {value:.3f}" for name, value in seconds.items()), err=True)
 
 
-def print_summary(summary: Summary) -> None:
+def print_summary(summary: Summary, to_stderr: bool = False) -> None:
     """Print the worst pairs first, and the totals."""
     pairs = sorted(summary["pairs"], key=_badness)
-    console = Console(highlight=False)
+    console = Console(highlight=False, stderr=to_stderr)
     table = Table(box=None, pad_edge=False, header_style="bold")
     for column, justify in (("pair", "left"), ("verdict", "left"), ("least distance", "left"), ("contacts", "left")):
         table.add_column(column, justify=justify, overflow="fold")  # type: ignore[arg-type]
     for pair in pairs[:MOST_ROWS]:
         verdict = pair["verdict"]
         name = Text(pair["pair"].replace("|", " | "))
-        table.add_row(name, Text(verdict, _STYLES[verdict]), Text(_distance(pair)), Text(_contacts(pair)))
+        table.add_row(name, Text(verdict, STYLES[verdict]), Text(_distance(pair)), Text(_contacts(pair)))
     console.print(table)
     if len(pairs) > MOST_ROWS:
         console.print(f"... and {len(pairs) - MOST_ROWS} more pairs")
     counts = summary["totals"]["pairs"]
-    found = ", ".join(f"{counts[verdict]} {verdict}" for verdict in _SEVERITY if counts.get(verdict))
+    found = ", ".join(f"{counts[verdict]} {verdict}" for verdict in SEVERITY if counts.get(verdict))
     start, end = summary["time"]
     console.print(f"{summary['pairs_total']} pairs over [{start:g}, {end:g}] s: {found or 'nothing to check'}")
 
@@ -59,7 +61,7 @@ def print_summary(summary: Summary) -> None:
 def _badness(pair: PairSummary) -> tuple[int, float, str]:
     """Return the sorting key of a pair: by verdict, then by the least distance measured, else certified."""
     upper = pair["distance"]["upper"]
-    return _SEVERITY.index(pair["verdict"]), pair["distance"]["lower"] if upper is None else upper, pair["pair"]
+    return SEVERITY.index(pair["verdict"]), pair["distance"]["lower"] if upper is None else upper, pair["pair"]
 
 
 def _distance(pair: PairSummary) -> str:

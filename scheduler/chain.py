@@ -198,6 +198,21 @@ def lineage(bodies: tuple[Body, ...], body: int) -> tuple[int, ...]:
     return tuple(line)
 
 
+def parents_first(bodies: tuple[Body, ...]) -> tuple[int, ...]:
+    """Return the bodies' indices ordered so that a parent comes before its children."""
+    order: list[int] = []
+    placed: set[int] = set()
+    for body in range(len(bodies)):
+        missing = []
+        above: int | None = body
+        while above is not None and above not in placed:
+            missing.append(above)
+            above = bodies[above].parent
+        order.extend(reversed(missing))
+        placed.update(missing)
+    return tuple(order)
+
+
 def common_ancestor(bodies: tuple[Body, ...], a: int, b: int) -> int | None:
     """Return the lowest common ancestor, which may be a or b itself; None for the world."""
     above_b = set(lineage(bodies, b))

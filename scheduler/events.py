@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
+from .rotation import FloatArray
+
 Point = tuple[float, float, float]
 
 
@@ -169,4 +171,38 @@ class Span:
         return self.end
 
 
-Event = Wakeup | Distance | Collision | Span
+@dataclass(frozen=True, slots=True)
+class Nearness:
+    """How near a pair is at the instant of a snapshot, measured exactly.
+
+    Attributes:
+        verdict: CONTACT where the solids touch (distance 0), else CLEAR; of the instant alone.
+        witness_a, witness_b: the nearest points, in the world.
+    """
+
+    pair: PairKey
+    distance: float
+    verdict: Verdict
+    witness_a: Point
+    witness_b: Point
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Snapshot:
+    """The whole scene at one instant, for people to look at; no part of the certificate.
+
+    Attributes:
+        poses: (n, 4, 4) world_from_body of every body, in document order.
+        nearest: the nearest pairs, nearest first (ties by pair id); the first holds the least distance of all.
+        contacts: how many pairs are in contact.
+        occasion: the collision it was taken for, None for a tick.
+    """
+
+    time: float
+    poses: FloatArray
+    nearest: tuple[Nearness, ...]
+    contacts: int
+    occasion: Collision | None
+
+
+Event = Wakeup | Distance | Collision | Span | Snapshot

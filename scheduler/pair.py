@@ -64,16 +64,23 @@ class Pair:
     def measure(self, t: float) -> Measurement:
         """Measure how far apart the surfaces are at t; whether one is inside the other is asked separately."""
         moments = self.motion.at(t)
-        ball_a, ball_b = self.motion.a.ball, self.motion.b.ball
-        centres = norm(subtract(moments.a.centre, moments.b.centre))
-        gap = centres - ball_a.radius - ball_b.radius
-        if self._round:
-            proximity = _between_spheres(moments, ball_a.radius, ball_b.radius)
-            return Measurement(t, moments, Level.SPHERE, max(0.0, gap - self.error), proximity)
-        if gap > SPHERES_SUFFICE * (ball_a.radius + ball_b.radius):
+        radii = self.motion.a.ball.radius + self.motion.b.ball.radius
+        gap = norm(subtract(moments.a.centre, moments.b.centre)) - radii
+        if gap > SPHERES_SUFFICE * radii and not self._round:
             return Measurement(t, moments, Level.SPHERE, gap - self.error, None)
-        proximity = self._narrow_phase.nearest(self.key.a, self.key.b, moments.a.pose, moments.b.pose)
-        return Measurement(t, moments, Level.MESH, max(0.0, proximity.distance - self.error), proximity)
+        return self._measured_exactly(t, moments)
+
+    def measure_exactly(self, t: float) -> Measurement:
+        """Measure the same, but never by bounding spheres alone."""
+        return self._measured_exactly(t, self.motion.at(t))
+
+    def _measured_exactly(self, t: float, moments: Moments) -> Measurement:
+        if self._round:
+            level, proximity = Level.SPHERE, self._between_spheres(moments)
+        else:
+            level = Level.MESH
+            proximity = self._narrow_phase.nearest(self.key.a, self.key.b, moments.a.pose, moments.b.pose)
+        return Measurement(t, moments, level, max(0.0, proximity.distance - self.error), proximity)
 
     def look_inside(self, measurement: Measurement) -> Measurement:
         """Return the measurement with containment decided; needed wherever disjoint surfaces do not prove it."""
@@ -114,6 +121,14 @@ class Pair:
             for body in (self._bodies[self.key.a], self._bodies[self.key.b])
         )
 
+    def _between_spheres(self, moments: Moments) -> Proximity:
+        """Return the exact proximity of two spheres, whose balls are themselves."""
+        core = Feature(FeatureKind.VERTEX, 0, 0, 0)
+        return Proximity.of_rounded(
+            Rounded(moments.a.centre, core, self.motion.a.ball.radius),
+            Rounded(moments.b.centre, core, self.motion.b.ball.radius),
+        )
+
     def _world_from_ancestor(self, t: float) -> FloatArray:
         """Return the 4x4 pose of the frame that measurements are taken in."""
         pose = np.eye(4)
@@ -142,9 +157,3 @@ def _relative_motion(bodies: tuple[Body, ...], a: int, b: int, extent_a: Extent,
     """Return the motion of both bodies below their lowest common ancestor."""
     ancestor = common_ancestor(bodies, a, b)
     return RelativeMotion(chain_to(bodies, a, ancestor, extent_a), chain_to(bodies, b, ancestor, extent_b))
-
-
-def _between_spheres(moments: Moments, radius_a: float, radius_b: float) -> Proximity:
-    """Return the exact proximity of two spheres."""
-    core = Feature(FeatureKind.VERTEX, 0, 0, 0)
-    return Proximity.of_rounded(Rounded(moments.a.centre, core, radius_a), Rounded(moments.b.centre, core, radius_b))

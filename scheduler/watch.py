@@ -7,14 +7,9 @@ from math import inf, nan, nextafter
 from typing import NamedTuple
 
 from .events import Bound, Collision, ContactKind, Event, PairKey, Phase, Reason, Span, Verdict
+from .floor import Floor
 from .pair import Measurement, Pair
 from .scene import Settings
-
-#: How often a pair may step finer than the time resolution before a proved step of full length restores the number.
-#: It caps what a long graze costs; leaving a contact with a bound r times the true speed takes about 3.5 r such steps.
-FINE_STEPS = 256
-#: The finest of those steps, as a share of the contact tolerance.
-FINEST = 1.0 / 16.0
 
 
 class Plan(NamedTuple):
@@ -32,10 +27,6 @@ class Watch:
     opposite answer (touching instead of clear, or clear instead of touching): the change lies between the two, and the
     pair is woken inside until they are no further apart than the contact tolerance.
 
-    The floor under the sleep is the time resolution. A floor step that cannot be proved clear is taken back and tried
-    with a quarter of the floor, down to a share of the contact tolerance and while `FINE_STEPS` last; each proved step
-    doubles the floor again.
-
     Attributes:
         clearance: m, certified lower bound on the distance of the solids at the last measurement, 0 in contact.
     """
@@ -48,8 +39,7 @@ class Watch:
         self.clearance = 0.0
         self._known: Measurement | None = None
         self._other: Measurement | None = None
-        self._floor = settings.time_resolution
-        self._fine_steps = FINE_STEPS
+        self._floor = Floor(settings)
         self._spans = SpanRecord(pair.key, start)
 
     def learn(self, measurement: Measurement) -> Iterator[Event]:
@@ -62,7 +52,7 @@ class Watch:
                 yield from self._change(measurement, measurement)
         else:
             measurement, verdict, clearance, depth_limit = self._judge(known, measurement)
-            if self._retries_finer(measurement.time - known.time, verdict):
+            if self._takes_back(measurement.time - known.time, verdict):
                 pass
             elif measurement.touching is known.touching:
                 yield from self._spans.extend(measurement.time, verdict, clearance, depth_limit)
@@ -87,7 +77,7 @@ class Watch:
         tolerance = self._settings.contact_tolerance
         latest = other.time - 0.5 * tolerance
         sleep, bound = self.pair.motion.sleep(known.moments, known.time, known.clearance, latest - known.time)
-        floor = min(tolerance, self._floor)
+        floor = min(tolerance, self._floor.seconds)
         if sleep < floor:
             sleep, bound = floor, Bound.CONTACT_TOLERANCE
         return Plan(min(known.time + sleep, latest), Reason.REFINE, bound)
@@ -100,30 +90,21 @@ class Watch:
         if known.clearance > 0.0:
             sleep, bound = self.pair.motion.sleep(known.moments, known.time, known.clearance, stop - known.time)
         reason = Reason.TIME_BOUND
-        if sleep < min(self._floor, stop - known.time):
-            finer = self._floor < self._settings.time_resolution
-            sleep, bound = self._floor, Bound.TIME_RESOLUTION
-            reason = Reason.REFINE if finer else Reason.TIME_RESOLUTION
+        if sleep < min(self._floor.seconds, stop - known.time):
+            sleep, bound = self._floor.seconds, Bound.TIME_RESOLUTION
+            reason = Reason.REFINE if self._floor.finer else Reason.TIME_RESOLUTION
         if known.touching:
             reason = Reason.CONTACT
         if known.time + sleep < stop and sleep < stop - known.time:
             return Plan(known.time + sleep, reason, bound)
         return Plan(stop, Reason.KNOT if jump < self._end else Reason.END, bound)
 
-    def _retries_finer(self, step: float, verdict: Verdict) -> bool:
-        """Adapt the floor to what a step (s) has proved; tell whether the step is to be taken back and made finer."""
-        resolution, finest = self._settings.time_resolution, FINEST * self._settings.contact_tolerance
+    def _takes_back(self, step: float, verdict: Verdict) -> bool:
+        """Tell whether a step (s) that proved nothing is to be taken back and tried finer."""
+        if verdict is Verdict.UNRESOLVED:
+            return self._floor.failed(step)
         if verdict is Verdict.CLEAR:
-            self._floor = min(2.0 * max(self._floor, step), resolution)
-            if self._floor == resolution:
-                self._fine_steps = FINE_STEPS
-        if self._floor < resolution:
-            self._fine_steps = max(0, self._fine_steps - 1)
-        if self._fine_steps == 0:
-            self._floor = resolution
-        elif verdict is Verdict.UNRESOLVED and step > 2.0 * finest:
-            self._floor = max(0.25 * step, finest)
-            return True
+            self._floor.proved(step)
         return False
 
     def _judge(self, known: Measurement, measurement: Measurement) -> tuple[Measurement, Verdict, float, float]:
@@ -151,6 +132,7 @@ class Watch:
         if known is None or other is None or other.time - known.time > self._settings.contact_tolerance:
             return
         self._known, self._other = other, None
+        self._floor.restore()
         yield from self._change(known, other)
 
     def _change(self, before: Measurement, after: Measurement) -> Iterator[Event]:

@@ -7,6 +7,7 @@ three contiguous multiplications.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .rigid import FloatArray
 
@@ -105,7 +106,7 @@ def against_face(
     return corner, np.where(pierced, margin, -np.inf).max(axis=1)
 
 
-def over_face(points: FloatArray, b: FloatArray, edges_b: FloatArray, n: FloatArray) -> FloatArray:
+def over_face(points: FloatArray, b: FloatArray, edges_b: FloatArray, n: FloatArray) -> NDArray[np.bool_]:
     """Tell for points (3, N, 3) whether they project into the faces b with normals n (3, N)."""
     inside = np.ones(points.shape[1:], dtype=bool)
     for corner in range(3):

@@ -1,0 +1,91 @@
+"""Many scenes in one go: one table, the worst exit code, and a failure does not stop the rest."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import click
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from ..formats.log.errors import LogError
+from ..formats.scene.errors import SceneError
+from .faults import faults_reported
+from .job import Result, run_job
+from .options import RunOptions
+from .show import SEVERITY, STYLES, print_json, print_warnings
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What became of one scene: its log and result, or None where it failed, and the exit code it asks for."""
+
+    scene: Path
+    log: Path
+    result: Result | None
+    code: int
+
+
+def run_many(scenes: Sequence[Path], folder: Path, options: RunOptions) -> int:
+    """Run every scene into a log of its own in `folder`; return the worst exit code."""
+    logs = log_names(scenes)
+    outcomes = []
+    for scene, name in zip(scenes, logs, strict=True):
+        log = folder / name
+        with faults_reported(log):
+            outcomes.append(_run_one(scene, log, options))
+    if options.as_json:
+        print_json({"scenes": [_as_json(outcome) for outcome in outcomes]})
+    elif not options.quiet:
+        _print_table(outcomes)
+    return max(outcome.code for outcome in outcomes)
+
+
+def log_names(scenes: Sequence[Path]) -> list[str]:
+    """Return a log's name for each scene: the file's own, or its folder's where the file is just called scene."""
+    names = [(scene.resolve().parent.name if scene.stem == "scene" else scene.stem) + ".mcap" for scene in scenes]
+    twice = sorted(name for name, count in Counter(names).items() if count > 1)
+    if twice:
+        raise click.UsageError(f"Several scenes would write {', '.join(twice)}; run them apart.")
+    return names
+
+
+def _run_one(scene: Path, log: Path, options: RunOptions) -> Outcome:
+    """Run one scene, telling its faults on stderr."""
+    try:
+        result = run_job(scene, log, options)
+    except (SceneError, LogError) as fault:
+        click.echo(str(fault), err=True)
+        return Outcome(scene, log, None, 2)
+    if not options.quiet:
+        print_warnings(result.warnings)
+    return Outcome(scene, log, result, int(result.finds(options.fail_on)))
+
+
+def _print_table(outcomes: Sequence[Outcome]) -> None:
+    """Print a row a scene."""
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for column in ("scene", "worst", "pairs", "log"):
+        table.add_column(column, overflow="fold")
+    for outcome in outcomes:
+        worst, found = "failed", "see above"
+        if outcome.result is not None:
+            counts = outcome.result.summary["totals"]["pairs"]
+            worst = next((verdict for verdict in SEVERITY if counts[verdict]), "no pairs")
+            found = ", ".join(f"{counts[verdict]} {verdict}" for verdict in SEVERITY if counts[verdict])
+        log = "" if outcome.result is None else str(outcome.log)
+        table.add_row(Text(str(outcome.scene)), Text(worst, STYLES.get(worst, "bold red")), Text(found), Text(log))
+    Console(highlight=False).print(table)
+
+
+def _as_json(outcome: Outcome) -> dict[str, object]:
+    """Return what is printed of one scene: its summary and seconds, or null where it failed."""
+    told: dict[str, object] = {"scene": str(outcome.scene), "log": None, "exit": outcome.code, "summary": None}
+    if outcome.result is not None:
+        summary = {**outcome.result.summary, "seconds": outcome.result.seconds}
+        told |= {"log": str(outcome.log), "summary": summary}
+    return told

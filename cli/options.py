@@ -1,0 +1,117 @@
+"""The options of `closecall run`, as one value."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+import click
+
+#: Verdicts that a run may be told to fail on.
+FINDINGS = ("contact", "breach", "unresolved", "possible")
+
+AnyFunction = TypeVar("AnyFunction", bound=Callable[..., Any])
+
+
+@dataclass(frozen=True, slots=True)
+class RunOptions:
+    """What the command line asks of a run; the options' help says what each means."""
+
+    output: Path | None
+    out_dir: Path | None
+    time_resolution: float | None
+    contact_tolerance: float | None
+    fail_on: tuple[str, ...]
+    epoch: int
+    compression: str
+    attach_meshes: bool
+    mesh_roots: tuple[Path, ...]
+    log: str
+    topics: str
+    rate: float
+    viz_pairs: int
+    viz_triangles: int
+    as_json: bool
+    quiet: bool
+    verbose: bool
+
+
+def _findings(ctx: click.Context, param: click.Parameter, value: str | None) -> tuple[str, ...]:
+    """Split a comma-separated choice of verdicts and check each."""
+    chosen = tuple(part.strip() for part in value.split(",")) if value is not None else ()
+    for part in chosen:
+        if part not in FINDINGS:
+            raise click.BadParameter(f"{part!r} is not one of {', '.join(FINDINGS)}.", ctx, param)
+    return chosen
+
+
+def _rate(ctx: click.Context, param: click.Parameter, value: float) -> float:
+    """Check that the rate is a number that can be kept."""
+    if not 0.0 <= value <= 1e6:
+        raise click.BadParameter(f"expected 0 to 1e6 Hz, got {value}.", ctx, param)
+    return value
+
+
+_PATH = click.Path(path_type=Path)
+_OPTIONS = (
+    click.option("-o", "--output", type=_PATH, metavar="LOG", help="The log to write; - for standard output."),
+    click.option("--out-dir", type=_PATH, metavar="DIR", help="Write each scene's log into this folder."),
+    click.option("--time-resolution", type=float, metavar="S", help="Least step of the main loop, s."),
+    click.option("--contact-tolerance", type=float, metavar="S", help="Widest bracket of a begin or end, s."),
+    click.option("--fail-on", callback=_findings, metavar="WHAT", help=f"Exit 1 if found: {','.join(FINDINGS)}."),
+    click.option("--epoch", type=int, default=0, show_default=True, metavar="NS", help="Added to log times, ns."),
+    click.option("--compression", type=click.Choice(["zstd", "lz4", "none"]), default="zstd", show_default=True),
+    click.option("--attach-meshes/--no-attach-meshes", default=True, help="Keep the mesh files in the log, or not."),
+    click.option(
+        "--mesh-root", "mesh_roots", multiple=True, type=_PATH, metavar="DIR", help="Meshes may come from here too."
+    ),
+    click.option(
+        "--log",
+        type=click.Choice(["full", "certificate"]),
+        default="full",
+        show_default=True,
+        help="A certificate leaves out what only viewers need.",
+    ),
+    click.option(
+        "--topics",
+        type=click.Choice(["single", "body"]),
+        default="single",
+        show_default=True,
+        help="Distances on one topic, or one a body.",
+    ),
+    click.option(
+        "--rate",
+        type=float,
+        default=30.0,
+        show_default=True,
+        metavar="HZ",
+        callback=_rate,
+        help="Snapshots for viewers; 0: only at collisions.",
+    ),
+    click.option(
+        "--viz-pairs",
+        type=click.IntRange(1, 1000),
+        default=10,
+        show_default=True,
+        help="Nearest pairs in a snapshot.",
+    ),
+    click.option(
+        "--viz-triangles",
+        type=click.IntRange(0),
+        default=1_000_000,
+        show_default=True,
+        help="Triangles drawn; bodies beyond are boxes.",
+    ),
+    click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON instead of a table."),
+    click.option("-q", "--quiet", is_flag=True, help="Print no table, no warnings, no progress."),
+    click.option("-v", "--verbose", is_flag=True, help="Print what the run took as well."),
+)
+
+
+def run_options(function: AnyFunction) -> AnyFunction:
+    """Add the options of a run to a command, which takes them as keywords of `RunOptions`."""
+    for option in reversed(_OPTIONS):
+        function = option(function)
+    return function

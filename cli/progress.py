@@ -1,0 +1,40 @@
+"""A progress bar on a terminal: simulated time, wakeups, contacts, time left. Nothing in a pipe."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+from ..scheduler.events import Collision, Event, Phase, Wakeup
+
+#: Wakeups between two looks at the clock: the bar costs nothing measurable.
+WAKEUPS_PER_UPDATE = 256
+
+
+def shown(events: Iterable[Event], start: float, end: float, title: str) -> Iterator[Event]:
+    """Yield the events while a bar on stderr, if that is a terminal, shows how far they have come."""
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield from events
+        return
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(bar_width=None),
+        TextColumn("{task.fields[now]:.3f} of {task.fields[end]:g} s"),
+        TextColumn("{task.fields[wakeups]} wakeups, {task.fields[contacts]} contacts"),
+        TimeRemainingColumn(compact=True),
+    )
+    wakeups = contacts = 0
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task(title, total=end - start, now=start, end=end, wakeups=0, contacts=0)
+        for event in events:
+            yield event
+            if isinstance(event, Collision):
+                contacts += event.phase is Phase.BEGIN
+            elif isinstance(event, Wakeup):
+                wakeups += 1
+                if wakeups % WAKEUPS_PER_UPDATE == 0:
+                    completed = event.time - start
+                    bar.update(task, completed=completed, now=event.time, wakeups=wakeups, contacts=contacts)

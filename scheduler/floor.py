@@ -1,0 +1,59 @@
+"""The floor under a pair's sleep: the lecture's t_min, and how it gives way where a step of it proves nothing."""
+
+from __future__ import annotations
+
+from .scene import Settings
+
+#: How often a pair may step finer than the time resolution before something restores the number: a contact's begin or
+#: end, or a proved step of the whole resolution. It caps what a long graze costs; leaving a contact with a bound r
+#: times the true speed takes about 3.5 r such steps.
+FINE_STEPS = 256
+#: The finest of those steps, as a share of the contact tolerance.
+FINEST = 1.0 / 16.0
+
+
+class Floor:
+    """The least sleep of a pair (s), now.
+
+    A step of the floor that cannot be proved clear is taken back and tried with a quarter of it, down to a share of the
+    contact tolerance and while `FINE_STEPS` last; each step of the floor that is proved doubles it again.
+    """
+
+    def __init__(self, settings: Settings) -> None:
+        """Start at the time resolution."""
+        self._resolution = settings.time_resolution
+        self._finest = FINEST * settings.contact_tolerance
+        self.restore()
+
+    @property
+    def finer(self) -> bool:
+        """Whether the floor lies below the time resolution."""
+        return self.seconds < self._resolution
+
+    def restore(self) -> None:
+        """Return to the time resolution, with all fine steps to spend."""
+        self.seconds = self._resolution
+        self._steps_left = FINE_STEPS
+
+    def proved(self, step: float) -> None:
+        """Take in that a step (s) was proved clear."""
+        if step >= self._resolution:
+            self.restore()
+        elif step <= self.seconds:
+            self._spend()
+            self.seconds = min(2.0 * self.seconds, self._resolution)
+
+    def failed(self, step: float) -> bool:
+        """Take in that a step (s) proved nothing; tell whether it is to be taken back and made finer."""
+        self._spend()
+        if self._steps_left == 0 or step <= 2.0 * self._finest:
+            return False
+        self.seconds = max(0.25 * step, self._finest)
+        return True
+
+    def _spend(self) -> None:
+        """Count a fine step; when none is left, the whole resolution is the floor again."""
+        if self._steps_left > 0:
+            self._steps_left -= 1
+        if self._steps_left == 0:
+            self.seconds = self._resolution
