@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import hypot, sqrt, ulp
+from math import hypot, inf, sqrt, ulp
 
 #: Relative loss granted to the arithmetic of the bounds themselves, on clearances and on times.
 RELATIVE_ROUNDING = 1e-12
@@ -23,7 +23,7 @@ def time_bound(clearance: float, speed: float, acceleration: float) -> float:
         acceleration: m/s^2, upper bound over the whole sleep.
     """
     closing = speed + hypot(speed, sqrt(2.0 * acceleration * clearance))
-    return 2.0 * clearance / closing if closing > 0.0 else float("inf")
+    return inf if closing == 0.0 else 2.0 * clearance / closing
 
 
 def spendable(clearance: float) -> float:

@@ -26,10 +26,15 @@ class Ball:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Joint:
-    """A motion and its rest frame, seen from the moved frame of the joint above (4x4, above_from_rest)."""
+    """A motion and its rest frame, seen from the moved frame of the joint above (4x4, above_from_rest).
+
+    `terms` are the lengths (m) of the translations of the fixed poses that `rest` is the product of: they may cancel in
+    it, but their rounding does not.
+    """
 
     rest: FloatArray
     motion: Motion
+    terms: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,9 +72,12 @@ class Moment:
 class Chain:
     """The motions that carry a body relative to an ancestor, outermost first."""
 
-    def __init__(self, joints: tuple[Joint, ...], tail: FloatArray, extent: Extent) -> None:
-        """Join `joints`; `tail` is the last moved frame's view of the body (4x4)."""
+    def __init__(
+        self, joints: tuple[Joint, ...], tail: FloatArray, extent: Extent, tail_terms: tuple[float, ...] = ()
+    ) -> None:
+        """Join `joints`; `tail` is the last moved frame's view of the body (4x4), `tail_terms` as those of a joint."""
         self.joints = joints
+        self._tail_terms = tail_terms
         self.tail = tail
         self.ball = extent.ball
         self._last_centre = mapped(tail, extent.ball.centre)
@@ -167,11 +175,17 @@ class Chain:
 
         8 eps times the size of every term of every pose, with the points' reach for the radius of each turn.
         """
+        reach = norm(self.ball.centre) + self.ball.radius
         size = 0.0
-        reach = norm(self._last_centre) + self.ball.radius
+        for term in reversed(self._tail_terms):
+            reach += term
+            size += reach
         for joint in reversed(self.joints):
             size += joint.motion.rounding_scale(latest, reach) + reach
-            reach += joint.motion.extent(latest) + norm(translation_of(joint.rest))
+            reach += joint.motion.extent(latest)
+            for term in reversed(joint.terms):
+                reach += term
+                size += reach
         return 8.0 * float(np.finfo(float).eps) * (size + reach)
 
     @property
@@ -225,12 +239,14 @@ def chain_to(bodies: tuple[Body, ...], body: int, ancestor: int | None, extent: 
     fixed = np.eye(4)
     line = lineage(bodies, body)
     stretch = line if ancestor is None else line[: line.index(ancestor)]
+    terms: list[float] = []
     for index in reversed(stretch):
         fixed = fixed @ bodies[index].pose
+        terms.append(norm(translation_of(bodies[index].pose)))
         if not isinstance(bodies[index].motion, Fixed):
-            joints.append(Joint(fixed, bodies[index].motion))
-            fixed = np.eye(4)
-    return Chain(tuple(joints), fixed, extent)
+            joints.append(Joint(fixed, bodies[index].motion, tuple(terms)))
+            fixed, terms = np.eye(4), []
+    return Chain(tuple(joints), fixed, extent, tuple(terms))
 
 
 def _exact_reach(axis: Axis | None, tail: FloatArray, extent: Extent) -> Reach:

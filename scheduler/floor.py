@@ -39,9 +39,10 @@ class Floor:
         """Take in that a step (s) was proved clear."""
         if step >= self._resolution:
             self.restore()
-        elif step <= self.seconds:
-            self._spend()
+            return
+        if step <= self.seconds:
             self.seconds = min(2.0 * self.seconds, self._resolution)
+        self._spend()
 
     def failed(self, step: float) -> bool:
         """Take in that a step (s) proved nothing; tell whether it is to be taken back and made finer."""

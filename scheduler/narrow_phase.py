@@ -18,16 +18,21 @@ from .chain import Ball, Extent
 from .events import Feature
 from .rotation import FloatArray, mapped, translation_of
 from .scene import Body, Mesh, Shape
+from .sliver import EPSILON, without_slivers
 from .solid import Interior, component_points
 from .triangle import Triangle, feature_at, meeting_point
 from .vector import Vector, add, norm, scale, subtract, unit
 
-#: m per m of size: FCL's distance of two meshes errs by less than this times their size about the centre of measurement
-#: (measured: at most 4.4e-16 over 20,000 near pairs of slivers, `python -m benchmarks.narrow_phase_error`).
-DISTANCE_ERROR = 64.0 * float(np.finfo(float).eps)
+#: FCL is given lengths times this power of two, which loses nothing. Unscaled it skips the face of every triangle whose
+#: doubled area squared is below 1e-15 m^4, those of a 0.2 mm box among them, and then over- or underestimates
+#: by up to 6% of their size (`python -m benchmarks.narrow_phase_error 3000 1 --unscaled`).
+SCALE = 2.0**30
+#: m per m of size: a distance errs by less than this times the bodies' size about the centre of measurement, where no
+#: triangle is thin (measured: at most 1.1e-16 over 6,000 near pairs, `python -m benchmarks.narrow_phase_error 6000`).
+DISTANCE_ERROR = 64.0 * EPSILON
 
 _DISTANCE_REQUEST = fcl.DistanceRequest(enable_nearest_points=True)
-_COLLISION_REQUEST = fcl.CollisionRequest(num_max_contacts=1, enable_contact=True)
+_COLLISION_REQUEST = fcl.CollisionRequest(num_max_contacts=1, enable_contact=False)
 
 
 class Rounded(NamedTuple):
@@ -90,15 +95,15 @@ class Model:
     def __init__(self, mesh: Mesh) -> None:
         """Build the bounding volume hierarchy."""
         self.mesh = mesh
+        collapsed, self.error = without_slivers(mesh)
         self.bvh = fcl.BVHModel()
-        self.bvh.beginModel(len(mesh.vertices), len(mesh.triangles))
-        self.bvh.addSubModel(mesh.vertices, mesh.triangles)
+        self.bvh.beginModel(len(mesh.vertices), len(collapsed))
+        self.bvh.addSubModel(mesh.vertices * SCALE, collapsed)
         self.bvh.endModel()
         self.ball = bounding_ball(mesh.vertices[np.unique(mesh.triangles)])
         self.points = component_points(mesh)
         self.interior = Interior(mesh) if mesh.solid else None
-        sides = np.diff(mesh.vertices[mesh.triangles], axis=1)
-        self.degenerate = not bool(np.all(np.any(np.cross(sides[:, 0], sides[:, 1]) != 0.0, axis=1)))
+        self.degenerate = bool(np.any(collapsed[:, 1] == collapsed[:, 2]))
 
 
 class PlacedShape:
@@ -119,7 +124,7 @@ class PlacedShape:
         """Move the shape to where a body's pose puts it, as seen from `origin` (3,)."""
         self.pose = body @ self.shape.pose
         self.pose[:3, 3] -= origin
-        self.object.setTransform(fcl.Transform(self.pose[:3, :3], self.pose[:3, 3]))
+        self.object.setTransform(fcl.Transform(self.pose[:3, :3], self.pose[:3, 3] * SCALE))
         self.centre = mapped(self.pose, self.model.ball.centre)
 
     def local(self, points: FloatArray) -> FloatArray:
@@ -190,11 +195,12 @@ class NarrowPhase:
                         return add(mapped(solid.pose, (x, y, z)), translation_of(pose_a))
         return None
 
-    def size(self, a: int, b: int) -> float:
-        """Return the sum of the farthest distances (m) of the two bodies' points from their origins."""
+    def error(self, a: int, b: int) -> float:
+        """Return how far (m) a measured distance of the two bodies may be from the true one."""
         return sum(
-            max(norm(mapped(part.shape.pose, part.model.ball.centre)) + part.reach for part in self._bodies[body])
-            for body in (a, b)
+            DISTANCE_ERROR * max(norm(mapped(part.shape.pose, part.model.ball.centre)) + part.reach for part in parts)
+            + max(part.model.error for part in parts)
+            for parts in (self._bodies[a], self._bodies[b])
         )
 
     def _measure(self, one: PlacedShape, other: PlacedShape) -> Proximity:
@@ -206,16 +212,15 @@ class NarrowPhase:
             self.seconds += perf_counter() - began
             if meets:
                 contact = touch.contacts[0]
-                x, y, z = contact.pos.tolist()
-                return _meeting(one, other, contact.b1, contact.b2, (x, y, z))
+                return _meeting(one, other, contact.b1, contact.b2)
         result = fcl.DistanceResult()
         began = perf_counter()
         core = fcl.distance(one.object, other.object, _DISTANCE_REQUEST, result)
         self.seconds += perf_counter() - began
         witnesses: Any = result.nearest_points
-        (ax, ay, az), (bx, by, bz) = (point.tolist() for point in witnesses)
+        (ax, ay, az), (bx, by, bz) = ((point / SCALE).tolist() for point in witnesses)
         if core <= 0.0:
-            return _meeting(one, other, result.b1, result.b2, (ax, ay, az))
+            return _meeting(one, other, result.b1, result.b2)
         return Proximity.of_rounded(one.rounded(result.b1, (ax, ay, az)), other.rounded(result.b2, (bx, by, bz)))
 
     def _place(self, a: int, b: int, pose_a: FloatArray, pose_b: FloatArray) -> None:
@@ -235,9 +240,9 @@ class NarrowPhase:
         return sorted(pairs, key=lambda pair: (pair[0], pair[1].index, pair[2].index))
 
 
-def _meeting(one: PlacedShape, other: PlacedShape, first: int, second: int, fallback: Vector) -> Proximity:
+def _meeting(one: PlacedShape, other: PlacedShape, first: int, second: int) -> Proximity:
     """Return the touch of two triangles that meet."""
-    point = meeting_point(one.corners(first), other.corners(second)) or fallback
+    point = meeting_point(one.corners(first), other.corners(second))
     feature_a, feature_b = one.rounded(first, point).feature, other.rounded(second, point).feature
     return Proximity(0.0, point, point, feature_a, feature_b)
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from .chain import Extent, chain_to, common_ancestor, lineage
 from .events import Distance, Feature, FeatureKind, Level, PairKey
-from .narrow_phase import DISTANCE_ERROR, NarrowPhase, Proximity, Rounded, body_extent
+from .narrow_phase import NarrowPhase, Proximity, Rounded, body_extent
 from .relative import Moments, RelativeMotion
 from .rotation import FloatArray, mapped
 from .scene import Body, Scene, all_pairs, pair_id
@@ -65,9 +65,9 @@ class Pair:
         """Measure how far apart the surfaces are at t; whether one is inside the other is asked separately."""
         moments = self.motion.at(t)
         radii = self.motion.a.ball.radius + self.motion.b.ball.radius
-        gap = norm(subtract(moments.a.centre, moments.b.centre)) - radii
-        if gap > SPHERES_SUFFICE * radii and not self._round:
-            return Measurement(t, moments, Level.SPHERE, gap - self.error, None)
+        clearance = norm(subtract(moments.a.centre, moments.b.centre)) - radii - self.error
+        if clearance > SPHERES_SUFFICE * radii and not self._round:
+            return Measurement(t, moments, Level.SPHERE, clearance, None)
         return self._measured_exactly(t, moments)
 
     def measure_exactly(self, t: float) -> Measurement:
@@ -149,7 +149,7 @@ def pairs_that_might_collide(scene: Scene, narrow_phase: NarrowPhase) -> Iterato
         motion = _relative_motion(scene.bodies, a, b, extents[a], extents[b])
         if motion.rigid:
             continue
-        error = motion.rounding(latest) + DISTANCE_ERROR * narrow_phase.size(a, b)
+        error = motion.rounding(latest) + narrow_phase.error(a, b)
         yield Pair(PairKey(pair_id(a, b, len(scene.bodies)), a, b), scene.bodies, motion, narrow_phase, error)
 
 

@@ -91,7 +91,8 @@ class RelativeMotion:
         each body's radius about its own frame origin o; v holds at the start, a is the supremum until the horizon.
         """
         t = moments.a.time if self.a.joints else moments.b.time
-        horizon = min(duration, min(self.a.knot_after(t), self.b.knot_after(t)) - t)
+        knot = min(self.a.knot_after(t), self.b.knot_after(t))
+        horizon = duration if knot - t > duration else min(duration, shortened(t, knot - t))
         (v_a, w_a), (v_b, w_b) = self.a.velocities(moments.a), self.b.velocities(moments.b)
         speed = norm(subtract(v_a, v_b)) + norm(w_a) * self.a.radius + norm(w_b) * self.b.radius
         rates_a, rates_b = self.a.rates(moments.a, horizon), self.b.rates(moments.b, horizon)
@@ -137,11 +138,19 @@ class RelativeMotion:
             duration: s.
             after: m, the same at the second.
         """
+        left = self.left(moments, before, duration)
         straight = self.approach(moments, duration).distance(duration)
         path = min(self.path_length(moments, duration), straight)
-        moved = min(self.displacement(moments, duration), straight)
         two_sided = two_sided_clearance(spendable(before), spendable(after), path)
-        return Proof(max(spendable(before) - moved, two_sided), max(0.0, -two_sided))
+        return Proof(max(left, two_sided), max(0.0, -two_sided))
+
+    def left(self, moments: Moments, clearance: float, duration: float) -> float:
+        """Return what `duration` s of displacement leave of a clearance (m); negative where it is spent.
+
+        A jump at the end of the duration is left out.
+        """
+        straight = self.approach(moments, duration).distance(duration)
+        return spendable(clearance) - min(self.displacement(moments, duration), straight)
 
 
 def _lecture_sleep(near: Approach, now: float, spend: float) -> float:

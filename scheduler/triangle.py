@@ -30,15 +30,36 @@ def feature_at(point: Vector, corners: Triangle) -> tuple[FeatureKind, int]:
     return FeatureKind.FACE, 0
 
 
-def meeting_point(one: Triangle, other: Triangle) -> Vector | None:
-    """Return a point (m) common to two triangles that cross, None where they are coplanar or do not cross."""
+def meeting_point(one: Triangle, other: Triangle) -> Vector:
+    """Return a point (m) common to two triangles that meet: amid their crossings, or where coplanar ones overlap."""
     crossings = [*_crossings(one, other), *_crossings(other, one)]
     if not crossings:
-        return None
+        return _coplanar_point(one, other)
     total = ZERO
     for crossing in crossings:
         total = add(total, crossing)
     return scale(1.0 / len(crossings), total)
+
+
+def _coplanar_point(one: Triangle, other: Triangle) -> Vector:
+    """Return a corner of one triangle over the other, or else the nearest point of any edge to an edge of the other."""
+    for corners, face in ((one, other), (other, one)):
+        for corner in corners:
+            if _over(corner, face):
+                return corner
+    pairs = [(one[a], one[b], other[c], other[d]) for a, b in _EDGES for c, d in _EDGES]
+    return min((_nearest_on_edges(*pair) for pair in pairs), key=lambda found: found[0])[1]
+
+
+def _nearest_on_edges(p: Vector, q: Vector, r: Vector, s: Vector) -> tuple[float, Vector]:
+    """Return the distance (m) of the segments pq and rs where their lines cross or at an end, and the point of pq."""
+    along, across, between = subtract(q, p), subtract(s, r), subtract(r, p)
+    normal = cross(along, across)
+    candidates = [0.0, 1.0, *(_share(subtract(end, p), along) for end in (r, s))]
+    if (size := dot(normal, normal)) > 0.0:
+        candidates.append(min(1.0, max(0.0, dot(cross(between, across), normal) / size)))
+    points = [add(p, scale(share, along)) for share in candidates]
+    return min((_distance_to_segment(point, r, s), point) for point in points)
 
 
 def _crossings(edges_of: Triangle, face: Triangle) -> list[Vector]:
@@ -51,14 +72,25 @@ def _crossings(edges_of: Triangle, face: Triangle) -> list[Vector]:
             continue
         share = heights[start] / (heights[start] - heights[end])
         point = add(edges_of[start], scale(share, subtract(edges_of[end], edges_of[start])))
-        if all(dot(cross(subtract(face[b], face[a]), subtract(point, face[a])), normal) >= 0.0 for a, b in _EDGES):
+        if _over(point, face):
             found.append(point)
     return found
+
+
+def _over(point: Vector, face: Triangle) -> bool:
+    """Tell whether a point projects into a triangle."""
+    normal = cross(subtract(face[1], face[0]), subtract(face[2], face[0]))
+    sides = [dot(cross(subtract(face[b], face[a]), subtract(point, face[a])), normal) for a, b in _EDGES]
+    return normal != ZERO and min(sides) >= 0.0
+
+
+def _share(arm: Vector, along: Vector) -> float:
+    """Return where on a segment `along` (m) from its start the point nearest to the end of `arm` lies, 0 to 1."""
+    length = dot(along, along)
+    return min(1.0, max(0.0, dot(arm, along) / length)) if length > 0.0 else 0.0
 
 
 def _distance_to_segment(point: Vector, start: Vector, end: Vector) -> float:
     """Return the distance (m) of a point from a segment."""
     along, arm = subtract(end, start), subtract(point, start)
-    length = dot(along, along)
-    share = min(1.0, max(0.0, dot(arm, along) / length)) if length > 0.0 else 0.0
-    return norm(subtract(arm, scale(share, along)))
+    return norm(subtract(arm, scale(_share(arm, along), along)))

@@ -11,6 +11,9 @@ from .floor import Floor
 from .pair import Measurement, Pair
 from .scene import Settings
 
+#: From its clear side a bracket is walked by the bounds, but in steps no smaller than this share of it.
+BRACKET_SHARE = 1.0 / 8.0
+
 
 class Plan(NamedTuple):
     """The next wakeup of a pair: when (s), why, and the bound that allows the sleep."""
@@ -77,7 +80,7 @@ class Watch:
         tolerance = self._settings.contact_tolerance
         latest = other.time - 0.5 * tolerance
         sleep, bound = self.pair.motion.sleep(known.moments, known.time, known.clearance, latest - known.time)
-        floor = min(tolerance, self._floor.seconds)
+        floor = min(self._floor.seconds, max(tolerance, BRACKET_SHARE * (other.time - known.time)))
         if sleep < floor:
             sleep, bound = floor, Bound.CONTACT_TOLERANCE
         return Plan(min(known.time + sleep, latest), Reason.REFINE, bound)
@@ -90,14 +93,20 @@ class Watch:
         if known.clearance > 0.0:
             sleep, bound = self.pair.motion.sleep(known.moments, known.time, known.clearance, stop - known.time)
         reason = Reason.TIME_BOUND
-        if sleep < min(self._floor.seconds, stop - known.time):
-            sleep, bound = self._floor.seconds, Bound.TIME_RESOLUTION
+        floor = self._settings.time_resolution if known.touching else self._floor.seconds
+        if sleep < min(floor, stop - known.time):
+            sleep, bound = floor, Bound.TIME_RESOLUTION
             reason = Reason.REFINE if self._floor.finer else Reason.TIME_RESOLUTION
         if known.touching:
             reason = Reason.CONTACT
         if known.time + sleep < stop and sleep < stop - known.time:
             return Plan(known.time + sleep, reason, bound)
         return Plan(stop, Reason.KNOT if jump < self._end else Reason.END, bound)
+
+    def _jumps_between(self, known: Measurement, measurement: Measurement) -> bool:
+        """Tell whether a jump parts two measurements: the last float before it and the jump itself are both stops."""
+        adjacent = measurement.time <= nextafter(known.time, inf)
+        return adjacent and self.pair.motion.stop_after(known.time) == measurement.time
 
     def _takes_back(self, step: float, verdict: Verdict) -> bool:
         """Tell whether a step (s) that proved nothing is to be taken back and tried finer."""
@@ -115,9 +124,10 @@ class Watch:
         """
         if known.touching:
             return self.pair.look_inside(measurement), Verdict.CONTACT, 0.0, nan
-        if measurement.time <= nextafter(known.time, inf):  # a jump may lie between: each side speaks for itself
-            clearance = min(known.clearance, measurement.clearance)
-            return self.pair.look_inside(measurement), Verdict.CLEAR, clearance, 0.0
+        if self._jumps_between(known, measurement):  # each side speaks for itself
+            left = self.pair.motion.left(known.moments, known.clearance, measurement.time - known.time)
+            verdict = Verdict.CLEAR if left > 0.0 else Verdict.UNRESOLVED
+            return self.pair.look_inside(measurement), verdict, max(0.0, min(left, measurement.clearance)), 0.0
         if measurement.touching:
             return measurement, Verdict.CONTACT, 0.0, nan
         duration = measurement.time - known.time

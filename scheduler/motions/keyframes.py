@@ -36,8 +36,9 @@ class Keyframes:
     _spin_axes: FloatArray = field(init=False, repr=False)  # (n, 3) unit, in the rest frame
     _spin_rates: FloatArray = field(init=False, repr=False)  # (n,) rad/s
     _rotations: FloatArray = field(init=False, repr=False)  # (n, 3, 3)
-    _travelled: FloatArray = field(init=False, repr=False)  # (n,) m along the path up to each key, jumps left out
-    _turned: FloatArray = field(init=False, repr=False)  # (n,) rad up to each key, jumps left out
+    _speeds: tuple[float, ...] = field(init=False, repr=False)  # m/s from each key to the next, the last 0
+    _travelled: RunningSum = field(init=False, repr=False)  # m along the path up to each key, jumps left out
+    _turned: RunningSum = field(init=False, repr=False)  # rad up to each key, jumps left out
 
     def __post_init__(self) -> None:
         """Derive what the bounds look up: rates, and path and angle travelled up to each key."""
@@ -59,8 +60,9 @@ class Keyframes:
             "_spin_axes": np.vstack((axes, (1.0, 0.0, 0.0))),
             "_spin_rates": np.append(angles / durations, 0.0),
             "_rotations": np.array([rotation_of_quaternion(*map(float, q)) for q in self.quaternions]),
-            "_travelled": np.concatenate(((0.0,), np.cumsum(lengths))),
-            "_turned": np.concatenate(((0.0,), np.cumsum(angles))),
+            "_speeds": (*(lengths / durations).tolist(), 0.0),
+            "_travelled": RunningSum(lengths),
+            "_turned": RunningSum(angles),
         }
         for name, value in derived.items():
             object.__setattr__(self, name, value)
@@ -119,10 +121,8 @@ class Keyframes:
         return 3.0 * float(np.max(np.linalg.norm(self.translations, axis=1)))
 
     def rounding_scale(self, latest: float, radius: float) -> float:
-        """The translation's terms, half a turn at `radius`, and a segment's rate times the rounding of t."""
-        fastest = float(np.max(np.linalg.norm(self._velocities, axis=1)))
-        fastest += radius * float(np.max(self._spin_rates))
-        return self.extent(latest) + 5.0 * radius + fastest * latest
+        """The translation's terms and half a turn at `radius`: times are exact, so are seconds since a key."""
+        return self.extent(latest) + 5.0 * radius
 
     def _segment(self, t: float) -> tuple[int, float]:
         """Return the key at or before t and the seconds since it, clamped to the keys' range."""
@@ -130,13 +130,33 @@ class Keyframes:
         return key, max(0.0, t - self._knots[key])
 
     def _progress(self, t: float, duration: float) -> tuple[float, float]:
-        """Return path (m) and angle (rad) travelled over [t, t + duration]."""
+        """Return path (m) and angle (rad) travelled over [t, t + duration], up to the float after its end."""
         first, since_first = self._segment(t)
-        last, since_last = self._segment(t + duration)
-        speed, spin = np.linalg.norm(self._velocities[[first, last]], axis=1), self._spin_rates
-        path = self._travelled[last] - self._travelled[first] + speed[1] * since_last - speed[0] * since_first
-        angle = self._turned[last] - self._turned[first] + spin[last] * since_last - spin[first] * since_first
-        return max(0.0, float(path)), max(0.0, float(angle))
+        last, since_last = self._segment(nextafter(t + duration, inf))
+        path = self._travelled.between(first, last)
+        path += self._speeds[last] * since_last - self._speeds[first] * since_first
+        angle = self._turned.between(first, last)
+        angle += float(self._spin_rates[last]) * since_last - float(self._spin_rates[first]) * since_first
+        return max(0.0, path), max(0.0, angle)
+
+
+class RunningSum:
+    """Sums of the first n of some lengths, kept in two floats each, so that differences of far sums stay exact."""
+
+    __slots__ = ("_high", "_low")
+
+    def __init__(self, lengths: FloatArray) -> None:
+        """Add up `lengths`, (n,)."""
+        self._high, self._low = [0.0], [0.0]
+        for length in lengths.tolist():
+            high = self._high[-1] + length
+            rest = high - self._high[-1]
+            self._high.append(high)
+            self._low.append(self._low[-1] + ((self._high[-2] - (high - rest)) + (length - rest)))
+
+    def between(self, first: int, last: int) -> float:
+        """Return the sum of lengths[first:last]."""
+        return (self._high[last] - self._high[first]) + (self._low[last] - self._low[first])
 
 
 def _turns_between(quaternions: FloatArray) -> tuple[FloatArray, FloatArray]:

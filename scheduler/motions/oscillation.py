@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import ceil, floor, hypot, pi, sin, sqrt
+from math import ceil, floor, fmod, hypot, pi, sin, sqrt
 
 from ..rotation import IDENTITY, FloatArray, apply, chord, transform, turn, turned_about
 from ..vector import ZERO, Vector, cross, distance_to_line, norm, scale
@@ -31,11 +31,11 @@ class Harmonic(Smooth):
 
     def displacement(self, t: float, duration: float, reach: Reach) -> float:
         """Row 'harmonic' (exact)."""
-        return abs(self.amplitude) * _sine_departure(_phase(self, t), _phase(self, t + duration))
+        return abs(self.amplitude) * _sine_departure(*_phases(self, t, duration))
 
     def path_length(self, t: float, duration: float, reach: Reach) -> float:
         """The sine's total variation (exact)."""
-        return abs(self.amplitude) * _sine_variation(_phase(self, t), _phase(self, t + duration))
+        return abs(self.amplitude) * _sine_variation(*_phases(self, t, duration))
 
     def velocities(self, t: float) -> tuple[Vector, Vector]:
         """Return amplitude w cos(...) along the direction, no spin."""
@@ -45,7 +45,7 @@ class Harmonic(Smooth):
     def rates(self, t: float, duration: float) -> Rates:
         """Speed and acceleration by the largest |cos| and |sin| over the interval."""
         w = _frequency(self)
-        largest_sin, largest_cos, _ = _phase_extremes(_phase(self, t), _phase(self, t + duration))
+        largest_sin, largest_cos, _ = _phase_extremes(*_phases(self, t, duration))
         size = abs(self.amplitude)
         return Rates(size * w * largest_cos, size * w * w * largest_sin, 0.0, 0.0)
 
@@ -55,7 +55,7 @@ class Harmonic(Smooth):
 
     def rounding_scale(self, latest: float, radius: float) -> float:
         """The amplitude times the phase's size."""
-        return abs(self.amplitude) * (1.0 + _frequency(self) * latest + abs(self.phase)) + radius
+        return abs(self.amplitude) * (1.0 + 2.0 * pi + abs(self.phase)) + radius
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,12 +79,12 @@ class Swing(Smooth):
 
     def displacement(self, t: float, duration: float, reach: Reach) -> float:
         """Row 'swing': the angle as the harmonic, the chord it subtends."""
-        angle = abs(self.amplitude) * _sine_departure(_phase(self, t), _phase(self, t + duration))
+        angle = abs(self.amplitude) * _sine_departure(*_phases(self, t, duration))
         return chord(angle, reach.axis_radius)
 
     def path_length(self, t: float, duration: float, reach: Reach) -> float:
         """The angle's total variation times the radius (exact)."""
-        angle = abs(self.amplitude) * _sine_variation(_phase(self, t), _phase(self, t + duration))
+        angle = abs(self.amplitude) * _sine_variation(*_phases(self, t, duration))
         return angle * reach.axis_radius
 
     def velocities(self, t: float) -> tuple[Vector, Vector]:
@@ -98,7 +98,7 @@ class Swing(Smooth):
         """Row 'swing': the acceleration squared is convex in x = sin^2 of the phase: the ends of x's range decide."""
         w, size = _frequency(self), abs(self.amplitude)
         radius = distance_to_line(ZERO, self.point, self.axis_direction)
-        largest_sin, largest_cos, least_sin = _phase_extremes(_phase(self, t), _phase(self, t + duration))
+        largest_sin, largest_cos, least_sin = _phase_extremes(*_phases(self, t, duration))
 
         def acceleration(x: float) -> float:
             return radius * hypot(size * w * w * sqrt(x), (size * w) ** 2 * (1.0 - x))
@@ -115,7 +115,7 @@ class Swing(Smooth):
         """The swing's arc times the phase's size, at the farthest of the points and the axis point."""
         size = abs(self.amplitude)
         farthest = radius + norm(self.point)
-        return self.extent(latest) + farthest * (1.0 + size * (2.0 + _frequency(self) * latest + abs(self.phase)))
+        return self.extent(latest) + farthest * (1.0 + size * (2.0 + 2.0 * pi + abs(self.phase)))
 
     def _angle(self, t: float) -> float:
         return self.amplitude * sin(_phase(self, t))
@@ -127,8 +127,14 @@ def _frequency(motion: Harmonic | Swing) -> float:
 
 
 def _phase(motion: Harmonic | Swing, t: float) -> float:
-    """Return the sine's argument, rad."""
-    return 2.0 * pi * t / motion.period + motion.phase
+    """Return the sine's argument, rad; whole periods are taken off exactly, so that it does not coarsen with time."""
+    return 2.0 * pi * fmod(t, motion.period) / motion.period + motion.phase
+
+
+def _phases(motion: Harmonic | Swing, t: float, duration: float) -> tuple[float, float]:
+    """Return the sine's arguments, rad, at both ends of [t, t + duration]."""
+    first = _phase(motion, t)
+    return first, first + _frequency(motion) * duration
 
 
 def _crosses(first: float, last: float, offset: float, step: float) -> bool:

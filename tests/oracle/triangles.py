@@ -28,7 +28,7 @@ def cross(a: FloatArray, b: FloatArray) -> FloatArray:
 
 def divide(a: FloatArray, b: FloatArray) -> FloatArray:
     """Return a / b, 0 where b is 0."""
-    return np.divide(a, b, out=np.zeros(np.broadcast_shapes(a.shape, b.shape)), where=b > 0.0)
+    return np.divide(a, b, out=np.zeros(np.broadcast_shapes(a.shape, b.shape), np.result_type(a, b)), where=b > 0.0)
 
 
 def separation(a: FloatArray, b: FloatArray) -> FloatArray:
