@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import ulp
+
 from .scene import Settings
 
 #: How often a pair may step finer than the time resolution before something restores the number: a contact's begin or
@@ -9,20 +11,22 @@ from .scene import Settings
 #: times the true speed takes about 3.5 r such steps.
 FINE_STEPS = 256
 #: The finest of those steps, as a share of the contact tolerance.
-FINEST = 1.0 / 16.0
+FINEST = 1.0 / 256.0
 
 
 class Floor:
     """The least sleep of a pair (s), now.
 
     A step of the floor that cannot be proved clear is taken back and tried with a quarter of it, down to a share of the
-    contact tolerance and while `FINE_STEPS` last; each step of the floor that is proved doubles it again.
+    contact tolerance and while `FINE_STEPS` last; each step of the floor that is proved doubles it again, and at least
+    to the tolerance: touching there, it would close a bracket.
     """
 
-    def __init__(self, settings: Settings) -> None:
-        """Start at the time resolution."""
+    def __init__(self, settings: Settings, latest: float) -> None:
+        """Start at the time resolution; no time is greater than `latest` s."""
         self._resolution = settings.time_resolution
-        self._finest = FINEST * settings.contact_tolerance
+        self._tolerance = settings.contact_tolerance
+        self._finest = max(FINEST * settings.contact_tolerance, 8.0 * ulp(latest))
         self.restore()
 
     @property
@@ -41,7 +45,7 @@ class Floor:
             self.restore()
             return
         if step <= self.seconds:
-            self.seconds = min(2.0 * self.seconds, self._resolution)
+            self.seconds = min(max(2.0 * self.seconds, self._tolerance), self._resolution)
         self._spend()
 
     def failed(self, step: float) -> bool:

@@ -42,7 +42,7 @@ class Watch:
         self.clearance = 0.0
         self._known: Measurement | None = None
         self._other: Measurement | None = None
-        self._floor = Floor(settings)
+        self._floor = Floor(settings, max(abs(start), abs(end)))
         self._spans = SpanRecord(pair.key, start)
 
     def learn(self, measurement: Measurement) -> Iterator[Event]:
