@@ -33,6 +33,10 @@ class Outcome:
 def run_many(scenes: Sequence[Path], folder: Path, options: RunOptions) -> int:
     """Run every scene into a log of its own in `folder`; return the worst exit code."""
     logs = log_names(scenes)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise click.UsageError(f"--out-dir {folder}: {error.strerror}.") from error
     outcomes = []
     for scene, name in zip(scenes, logs, strict=True):
         log = folder / name

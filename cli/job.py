@@ -12,7 +12,8 @@ import click
 
 from ..formats.log.chunks import Compression
 from ..formats.log.summary import Summary
-from ..formats.log.writer import LogOptions, LogWriter
+from ..formats.log.viewer.viewer import ViewerOptions
+from ..formats.log.writer import LogOptions, LogWriter, Topics
 from ..formats.scene.reader import read_scene
 from ..scheduler.narrow_phase import NarrowPhase
 from ..scheduler.pair import pairs_that_might_collide
@@ -54,7 +55,7 @@ def run_job(scene_path: Path, output: Path, options: RunOptions) -> Result:
         nothing = f"{scene_path}: nothing to check: no two bodies that may be checked move relative to each other"
         loaded = replace(loaded, warnings=(*loaded.warnings, nothing))
     events = run(loaded.scene, pairs, settings)
-    if options.log == "full" and hasattr(LogOptions, "viewer"):
+    if options.log == "full":
         observer = Observer(loaded.scene, pairs, options.viz_pairs)
         events = observed(events, observer, loaded.scene, options.rate, settings.time_resolution)
     if not options.quiet:
@@ -85,6 +86,8 @@ def _log_options(options: RunOptions) -> LogOptions:
         compression=Compression(options.compression),
         epoch=options.epoch,
         attach_meshes=options.attach_meshes,
+        topics=Topics(options.topics),
+        viewer=ViewerOptions(options.viz_pairs, options.viz_triangles) if options.log == "full" else None,
     )
 
 

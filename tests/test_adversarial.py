@@ -14,7 +14,7 @@ HEAD = "closecall: 1\nunits: {length: %s, angle: rad}\ntime: {start: %s, end: %s
 BOX = "shapes: [{box: [1, 1, 1]}]"
 
 
-def scene(bodies: str, start=0, end=1, length="m", extra="") -> str:
+def scene(bodies: str, start: float = 0, end: float = 1, length: str = "m", extra: str = "") -> str:
     return HEAD % (length, start, end, extra) + bodies
 
 

@@ -1,30 +1,10 @@
 """The commands as a shell sees them: what they print, where, and with which exit code."""
 
 import json
-import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 
 import pytest
-from mcap.exceptions import McapError
-from mcap.records import Message
-from mcap.stream_reader import StreamReader
-
-SPHERES = """\
-closecall: 1
-units: {length: m, angle: deg}
-time: {start: 0, end: 5}
-bodies:
-  left: {pose: {xyz: [-2, 0, 0]}, shapes: [{sphere: 0.5}], motion: {type: constant, velocity: [1, 0, 0]}}
-  right: {pose: {xyz: [2, 0.3, 0]}, shapes: [{sphere: 0.25}], motion: {type: constant, velocity: [-1, 0, 0]}}
-"""
-
-
-def closecall(*arguments: object, cwd: Path, **options: object) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "closecall", *map(str, arguments)]
-    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=120, **options)  # type: ignore[call-overload, no-any-return]
+from cli_process import SPHERES, closecall
 
 
 @pytest.fixture
@@ -112,70 +92,9 @@ def test_a_scene_with_nothing_to_check_says_so(scene, tmp_path):
 def test_the_same_scene_gives_the_same_bytes_whatever_the_hash_seed(scene, tmp_path):
     logs = []
     for seed in ("0", "12345"):
-        closecall("run", scene, "-o", f"{seed}.mcap", cwd=tmp_path, env={"PYTHONHASHSEED": seed})
+        closecall("run", scene, "-o", f"{seed}.mcap", cwd=tmp_path, PYTHONHASHSEED=seed)
         logs.append((tmp_path / f"{seed}.mcap").read_bytes())
     assert logs[0] == logs[1]
-
-
-def long_scene() -> str:
-    """Return a scene that takes minutes: many spheres that rest on each other, woken every 1e-5 s."""
-    body = "  b{0}: {{pose: {{xyz: [{0}, 0, 0]}}, shapes: [{{sphere: 0.6}}], motion: {{type: constant, {1}}}}}\n"
-    text = SPHERES.split("bodies:")[0] + "settings: {time_resolution: 1e-5}\nbodies:\n"
-    return text + "".join(body.format(i, "angular_velocity: [0, 0, 10]") for i in range(8))
-
-
-def started(scene: Path, tmp_path: Path, *options: str) -> subprocess.Popen[str]:
-    """Start a long run and wait until its log has grown."""
-    scene.write_text(long_scene())
-    command = [sys.executable, "-m", "closecall", "run", str(scene), "-o", str(tmp_path / "out.mcap"), *options]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    partial = tmp_path / "out.mcap.partial"
-    for _ in range(3000):
-        if partial.exists() and partial.stat().st_size > 100_000:
-            return process
-        time.sleep(0.01)
-    raise AssertionError(f"no log after 30 s: {process.poll()}")
-
-
-def read_until_cut(path: Path) -> int:
-    """Return how many messages mcap's stream reader gets out of an unfinished log."""
-    count = 0
-    try:
-        with path.open("rb") as file:
-            for record in StreamReader(file).records:
-                count += isinstance(record, Message)
-    except McapError:
-        pass
-    return count
-
-
-def test_sigkill_leaves_no_output_and_a_partial_that_the_stream_reader_reads(scene, tmp_path):
-    process = started(scene, tmp_path)
-    process.kill()
-    process.communicate()
-    assert not (tmp_path / "out.mcap").exists()
-    assert read_until_cut(tmp_path / "out.mcap.partial") > 1000
-
-
-def test_ctrl_c_exits_130_in_a_line_and_keeps_the_partial(scene, tmp_path):
-    process = started(scene, tmp_path)
-    process.send_signal(signal.SIGINT)
-    _, told = process.communicate(timeout=30)
-    assert process.returncode == 130
-    assert "Traceback" not in told
-    assert "out.mcap.partial" in told
-    assert not (tmp_path / "out.mcap").exists()
-    assert read_until_cut(tmp_path / "out.mcap.partial") > 1000
-
-
-def test_an_unfinished_log_has_no_summary_and_the_message_says_why(scene, tmp_path):
-    process = started(scene, tmp_path)
-    process.kill()
-    process.communicate()
-    done = closecall("summary", "out.mcap.partial", cwd=tmp_path)
-    assert done.returncode == 2
-    assert done.stderr.count("\n") == 1
-    assert "Traceback" not in done.stderr
 
 
 @pytest.mark.parametrize("arguments", [["--help"], ["run", "--help"], ["summary", "--help"]])

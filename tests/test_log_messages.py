@@ -75,7 +75,7 @@ def test_every_message_and_field_is_commented():
 
 
 def test_schema_carries_its_imports_first():
-    names = [file.name for file in descriptor_set(pb.Distance()).file]
+    names = [file.name for file in descriptor_set(pb.Distance).file]
     assert names == ["google/protobuf/timestamp.proto", "closecall/formats/log/messages.proto"]
 
 

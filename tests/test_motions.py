@@ -282,7 +282,11 @@ def test_a_long_way_travelled_does_not_coarsen_the_bounds_of_what_follows():
     """A thousand keys 1 mm apart after 1e5 m: the running sums are kept in two floats each."""
     x = np.concatenate(([0.0, 1e5 + 0.1], 1e5 + 0.1 + 1e-3 * np.arange(1, 1001)))
     keys = Keyframes(
-        np.arange(len(x)) * 1.0, np.column_stack((x, x * 0, x * 0)), np.tile([1.0, 0, 0, 0], (len(x), 1)), False, False
+        np.arange(len(x), dtype=np.float64),
+        np.column_stack((x, x * 0, x * 0)),
+        np.tile([1.0, 0, 0, 0], (len(x), 1)),
+        False,
+        False,
     )
     for first in (1, 7, 500):
         truth = abs(keys.pose(1001.0)[0, 3] - keys.pose(float(first))[0, 3])

@@ -33,21 +33,33 @@ class Compression(Enum):
     ZSTD = "zstd"
 
 
-class Topic(Generic[MessageT]):
-    """A topic and the one message that is filled again for each of its records.
+class Channel:
+    """A topic and the schema of its messages.
+
+    Attributes:
+        kind: the type of the messages.
+        written: how many messages were added, which is also the last one's sequence number.
+        id: in the file, None until the topic's first message is written.
+    """
+
+    def __init__(self, name: str, kind: type[Message]) -> None:
+        self.name = name
+        self.kind = kind
+        self.written = 0
+        self.id: int | None = None
+
+
+class Topic(Channel, Generic[MessageT]):
+    """A topic with the one message that is filled again for each of its records.
 
     Attributes:
         timestamp: the message's own timestamp field.
-        written: how many messages were added, which is also the last one's sequence number.
-        channel: id in the file, None until the topic's first message is written.
     """
 
     def __init__(self, name: str, message: MessageT, timestamp: Timestamp) -> None:
-        self.name = name
+        super().__init__(name, type(message))
         self.message = message
         self.timestamp = timestamp
-        self.written = 0
-        self.channel: int | None = None
 
 
 class ChunkWriter:
@@ -67,16 +79,19 @@ class ChunkWriter:
         )
         self._mcap.start(profile="", library=library)
         self._schemas: dict[str, int] = {}
-        self._waiting: list[tuple[int, Topic[Message], int, bytes]] = []
+        self._waiting: list[tuple[int, Channel, int, bytes]] = []
         self._waiting_bytes = 0
         self._whole = True
 
     def add_message(self, topic: Topic[MessageT], log_time: int) -> None:
         """Add the topic's message as it is now, stamped with the log time, ns >= 0."""
         topic.timestamp.seconds, topic.timestamp.nanos = divmod(log_time, NANOSECONDS_PER_SECOND)
-        data = topic.message.SerializeToString()
-        topic.written += 1
-        self._waiting.append((log_time, topic, topic.written, data))  # type: ignore[arg-type]
+        self.add_serialized(topic, topic.message.SerializeToString(), log_time)
+
+    def add_serialized(self, channel: Channel, data: bytes, log_time: int) -> None:
+        """Add a message that is bytes already, and holds its own timestamps."""
+        channel.written += 1
+        self._waiting.append((log_time, channel, channel.written, data))
         self._waiting_bytes += len(data) + MESSAGE_OVERHEAD_BYTES
         if self._waiting_bytes >= CHUNK_BYTES:
             self.flush()
@@ -94,10 +109,10 @@ class ChunkWriter:
         self._whole = False
         self._waiting.sort(key=itemgetter(0))
         add_message = self._mcap.add_message
-        for log_time, topic, sequence, data in self._waiting:
-            if topic.channel is None:
-                topic.channel = self._register(topic)
-            add_message(topic.channel, log_time, data, log_time, sequence)
+        for log_time, channel, sequence, data in self._waiting:
+            if channel.id is None:
+                channel.id = self._register(channel)
+            add_message(channel.id, log_time, data, log_time, sequence)
         self._waiting.clear()
         self._waiting_bytes = 0
         self._mcap.flush()  # type: ignore[no-untyped-call]
@@ -113,16 +128,16 @@ class ChunkWriter:
         self.flush()
         self._mcap.finish()  # type: ignore[no-untyped-call]
 
-    def _register(self, topic: Topic[Message]) -> int:
-        schema = topic.message.DESCRIPTOR.full_name
+    def _register(self, channel: Channel) -> int:
+        schema = channel.kind.DESCRIPTOR.full_name
         if schema not in self._schemas:
-            data = descriptor_set(topic.message).SerializeToString()
+            data = descriptor_set(channel.kind).SerializeToString()
             self._schemas[schema] = self._mcap.register_schema(schema, SchemaEncoding.Protobuf, data)
-        return self._mcap.register_channel(topic.name, MessageEncoding.Protobuf, self._schemas[schema])
+        return self._mcap.register_channel(channel.name, MessageEncoding.Protobuf, self._schemas[schema])
 
 
-def descriptor_set(message: Message) -> FileDescriptorSet:
-    """Return the message's definition and all that it imports, imports first."""
+def descriptor_set(kind: type[Message]) -> FileDescriptorSet:
+    """Return the definition of a type of messages and all that it imports, imports first."""
     files: dict[str, FileDescriptor] = {}
 
     def collect(file: FileDescriptor) -> None:
@@ -130,7 +145,7 @@ def descriptor_set(message: Message) -> FileDescriptorSet:
             collect(imported)
         files.setdefault(file.name, file)
 
-    collect(cast(FileDescriptor, message.DESCRIPTOR.file))
+    collect(cast(FileDescriptor, kind.DESCRIPTOR.file))
     definition = FileDescriptorSet()
     for file in files.values():
         file.CopyToProto(definition.file.add())

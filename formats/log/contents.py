@@ -20,6 +20,7 @@ METADATA = "closecall"
 SCENE = "scene"
 SETTINGS = "settings.json"
 SUMMARY = "summary.json"
+LAYOUT = "layout.json"
 
 
 def identity(loaded: LoadedScene, settings: Settings, pairs_total: int, epoch: int) -> dict[str, str]:

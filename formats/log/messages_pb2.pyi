@@ -1,8 +1,9 @@
 from google.protobuf import timestamp_pb2 as _timestamp_pb2
+from google.protobuf.internal import containers as _containers
 from google.protobuf.internal import enum_type_wrapper as _enum_type_wrapper
 from google.protobuf import descriptor as _descriptor
 from google.protobuf import message as _message
-from typing import ClassVar as _ClassVar, Mapping as _Mapping, Optional as _Optional, Union as _Union
+from typing import ClassVar as _ClassVar, Iterable as _Iterable, Mapping as _Mapping, Optional as _Optional, Union as _Union
 
 DESCRIPTOR: _descriptor.FileDescriptor
 
@@ -213,3 +214,26 @@ class Span(_message.Message):
     clearance: float
     depth_limit: float
     def __init__(self, timestamp: _Optional[_Union[_timestamp_pb2.Timestamp, _Mapping[str, object]]] = ..., pair: _Optional[str] = ..., pair_id: _Optional[int] = ..., body_a: _Optional[str] = ..., body_b: _Optional[str] = ..., verdict: _Optional[_Union[Span.Verdict, str]] = ..., start: _Optional[float] = ..., end: _Optional[float] = ..., clearance: _Optional[float] = ..., depth_limit: _Optional[float] = ...) -> None: ...
+
+class World(_message.Message):
+    __slots__ = ("timestamp", "min_distance", "pair", "contacts", "pairs")
+    class Pair(_message.Message):
+        __slots__ = ("pair", "distance", "verdict")
+        PAIR_FIELD_NUMBER: _ClassVar[int]
+        DISTANCE_FIELD_NUMBER: _ClassVar[int]
+        VERDICT_FIELD_NUMBER: _ClassVar[int]
+        pair: str
+        distance: float
+        verdict: str
+        def __init__(self, pair: _Optional[str] = ..., distance: _Optional[float] = ..., verdict: _Optional[str] = ...) -> None: ...
+    TIMESTAMP_FIELD_NUMBER: _ClassVar[int]
+    MIN_DISTANCE_FIELD_NUMBER: _ClassVar[int]
+    PAIR_FIELD_NUMBER: _ClassVar[int]
+    CONTACTS_FIELD_NUMBER: _ClassVar[int]
+    PAIRS_FIELD_NUMBER: _ClassVar[int]
+    timestamp: _timestamp_pb2.Timestamp
+    min_distance: float
+    pair: str
+    contacts: int
+    pairs: _containers.RepeatedCompositeFieldContainer[World.Pair]
+    def __init__(self, timestamp: _Optional[_Union[_timestamp_pb2.Timestamp, _Mapping[str, object]]] = ..., min_distance: _Optional[float] = ..., pair: _Optional[str] = ..., contacts: _Optional[int] = ..., pairs: _Optional[_Iterable[_Union[World.Pair, _Mapping[str, object]]]] = ...) -> None: ...

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from pathlib import Path
-from typing import IO
+from typing import IO, cast
 
 from .errors import LogError
 
@@ -51,9 +51,9 @@ class Pipe:
             raise LogError(STDOUT, "standard output is a terminal", "pipe it somewhere, or name a file with -o")
         self._stream = stream
 
-    def open(self) -> CountingStream:
-        """Return the stream to write on."""
-        return CountingStream(self._stream)
+    def open(self) -> IO[bytes]:
+        """Return the stream to write on; it counts, and can do no more than the MCAP writer asks of it."""
+        return cast(IO[bytes], CountingStream(self._stream))
 
     def publish(self) -> None:
         """Hand the last bytes to the reader."""

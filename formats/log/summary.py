@@ -11,7 +11,7 @@ from typing import TypedDict
 
 from closecall import __version__
 
-from ...scheduler.events import Collision, Distance, Event, Level, PairKey, Phase, Span, Verdict, Wakeup
+from ...scheduler.events import Collision, Distance, Event, Level, PairKey, Phase, Snapshot, Span, Verdict, Wakeup
 from ...scheduler.scene import Scene, Settings
 
 # From worst to best; a pair's verdict is the worst of its spans'.
@@ -144,7 +144,9 @@ class SummaryBuilder:
         self._unresolved: defaultdict[int, list[tuple[float, float]]] = defaultdict(list)
 
     def add(self, event: Event) -> None:
-        """Fold one more event, in any order."""
+        """Fold one more event, in any order; snapshots, which prove nothing, are passed over."""
+        if isinstance(event, Snapshot):
+            return
         pair = event.pair
         findings = self._findings.get(pair.id)
         if findings is None:

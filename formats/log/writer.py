@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import sys
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from enum import Enum
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -13,13 +15,14 @@ from foxglove_schemas_protobuf.Log_pb2 import Log
 
 from closecall import __version__
 
-from ...scheduler.events import Collision, Distance, Event, Phase, Span, Wakeup
+from ...scheduler.events import Collision, Distance, Event, Phase, Snapshot, Span, Wakeup
 from ...scheduler.scene import Settings
 from ..scene.loaded import LoadedScene
 from . import messages_pb2 as pb
-from .chunks import ChunkWriter, Compression, MessageT, Topic
+from .chunks import Channel, ChunkWriter, Compression, MessageT, Topic
 from .clock import LATEST_LOG_TIME_NS, nanoseconds
 from .contents import (
+    LAYOUT,
     METADATA,
     METADATA_AT_START,
     SCENE,
@@ -33,7 +36,19 @@ from .contents import (
 from .errors import LogError
 from .facts import FactFiller
 from .output import Output
+from .pipe import STDOUT, Pipe
 from .summary import Summary, SummaryBuilder, to_json
+from .viewer.viewer import Viewer, ViewerOptions
+
+# The file counts its channels with 16 bits; the topics that are not of a body have the rest.
+_MOST_BODY_TOPICS = 65_000
+
+
+class Topics(Enum):
+    """Whether distances go to one topic, or to one for each first body: `/distances/<body_a>`."""
+
+    SINGLE = "single"
+    BODY = "body"
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,11 +60,15 @@ class LogOptions:
         epoch: ns, added to every log time and timestamp.
         attach_meshes: whether mesh files travel with the log, so that it alone is enough to re-check the run;
             their SHA-256 does always.
+        topics: where distances go.
+        viewer: what viewers are shown; None for the certificate alone.
     """
 
     compression: Compression = Compression.ZSTD
     epoch: int = 0
     attach_meshes: bool = True
+    topics: Topics = Topics.SINGLE
+    viewer: ViewerOptions | None = None
 
 
 class LogWriter:
@@ -66,14 +85,14 @@ class LogWriter:
         options: what the log shall hold.
 
     Raises:
-        LogError: at once, for an output that cannot be written, is an input, or cannot hold the run's times;
-            later, when the disk refuses.
+        LogError: at once, for an output that cannot be written, is an input, or cannot hold the run's times or
+            topics; later, when the disk refuses.
     """
 
     def __init__(
         self, path: Path, loaded: LoadedScene, settings: Settings, pairs_total: int, options: LogOptions
     ) -> None:
-        self._output = Output(path, [loaded.path, *(mesh.path for mesh in loaded.mesh_files)])
+        self._output = _output(path, [loaded.path, *(mesh.path for mesh in loaded.mesh_files)])
         self._loaded = loaded
         self._settings = settings
         self._pairs_total = pairs_total
@@ -81,6 +100,7 @@ class LogWriter:
         self._start = self._log_time(loaded.scene.start)
         self._end = self._log_time(loaded.scene.end)
         self._require_times()
+        self._require_topics()
         self._identity = identity(loaded, settings, pairs_total, options.epoch)
         self._summary = SummaryBuilder(loaded.scene, settings, pairs_total)
         self._filler = FactFiller(tuple(body.name for body in loaded.scene.bodies))
@@ -88,9 +108,11 @@ class LogWriter:
         log.name = "closecall"
         self._wakeups = Topic("/wakeups", wakeup, wakeup.timestamp)
         self._distances = Topic("/distances", distance, distance.timestamp)
+        self._distances_by_body: dict[int, Topic[pb.Distance]] = {}
         self._collisions = Topic("/collisions", collision, collision.timestamp)
         self._spans = Topic("/spans", span, span.timestamp)
         self._log = Topic("/log", log, log.timestamp)
+        self._viewer = None if options.viewer is None else Viewer(loaded.scene, options.viewer)
 
     @property
     def partial(self) -> Path:
@@ -132,7 +154,7 @@ class LogWriter:
                 self._add(self._wakeups, event.time)
             case Distance():
                 self._filler.fill_distance(self._distances.message, event)
-                self._add(self._distances, event.time)
+                self._add(self._distance_topic(event), event.time)
             case Collision():
                 self._filler.fill_collision(self._collisions.message, event)
                 self._add(self._collisions, event.time)
@@ -140,6 +162,10 @@ class LogWriter:
             case Span():
                 self._filler.fill_span(self._spans.message, event)
                 self._add(self._spans, event.time)
+            case Snapshot():
+                if self._viewer is not None:
+                    log_time = self._log_time(event.time)
+                    self._show(self._viewer.shown(event, log_time), log_time)
 
     def warn(self, message: str, time: float | None = None) -> None:
         """Add a warning to /log, at the scene time `time` or else at the start."""
@@ -161,6 +187,12 @@ class LogWriter:
             most = self._options.epoch - (self._end - LATEST_LOG_TIME_NS)
             raise LogError(path, "log times would pass 2^63 ns", f"give an --epoch of at most {most}")
 
+    def _require_topics(self) -> None:
+        bodies = len(self._loaded.scene.bodies)
+        if self._options.topics is Topics.BODY and bodies > _MOST_BODY_TOPICS:
+            problem = f"a log holds no topic for each of {bodies} bodies"
+            raise LogError(self._output.path, problem, "run with --topics single")
+
     @contextmanager
     def _faults_named(self) -> Iterator[None]:
         try:
@@ -173,6 +205,21 @@ class LogWriter:
             self._chunks.add_message(topic, self._log_time(time))
         except OSError as error:
             raise self._output.fault(error) from error
+
+    def _show(self, messages: Iterable[tuple[Channel, bytes]], log_time: int) -> None:
+        with self._faults_named():
+            for channel, data in messages:
+                self._chunks.add_serialized(channel, data, log_time)
+
+    def _distance_topic(self, event: Distance) -> Topic[pb.Distance]:
+        if self._options.topics is Topics.SINGLE:
+            return self._distances
+        topic = self._distances_by_body.get(event.pair.a)
+        if topic is None:
+            message = self._distances.message
+            topic = Topic(f"{self._distances.name}/{message.body_a}", message, message.timestamp)
+            self._distances_by_body[event.pair.a] = topic
+        return topic
 
     def _tell(self, level: Log.Level.ValueType, message: str, time: float) -> None:
         self._log.message.level = level
@@ -210,6 +257,11 @@ class LogWriter:
         )
         for warning in self._loaded.warnings:
             self.warn(warning)
+        if self._viewer is not None:
+            self._show(self._viewer.opening(self._start), self._start)
+            if self._viewer.boxed:
+                drawn = f"{self._viewer.boxed} bodies are drawn as boxes"
+                self._tell(Log.INFO, f"{drawn}: --viz-triangles is too low to show all", scene.start)
 
     def _write_closing(self) -> None:
         summary = self._summary.summary()
@@ -222,13 +274,27 @@ class LogWriter:
             self._loaded.scene.end,
         )
         self._chunks.flush()
-        topics = (self._wakeups, self._distances, self._collisions, self._spans, self._log)
-        counts = {f"count{topic.name}": str(topic.written) for topic in topics}
-        self._chunks.add_metadata(METADATA, self._identity | counts)
+        self._chunks.add_metadata(METADATA, self._identity | self._counts())
+        if self._viewer is not None:
+            self._chunks.add_attachment(LAYOUT, "application/json", self._viewer.layout, self._start)
         self._chunks.add_attachment(SUMMARY, "application/json", to_json(summary).encode(), self._end)
+
+    def _counts(self) -> dict[str, str]:
+        """Return how many messages each topic has; distances by body are counted together."""
+        channels: list[Channel] = [self._wakeups, self._distances, self._collisions, self._spans, self._log]
+        if self._viewer is not None:
+            channels += self._viewer.channels
+        counts = {channel.name: channel.written for channel in channels}
+        counts[self._distances.name] += sum(topic.written for topic in self._distances_by_body.values())
+        return {f"count{name}": str(count) for name, count in counts.items()}
 
     def _abandon(self) -> None:
         # The fault under way matters more than a disk that refuses the last chunk too.
         with suppress(OSError):
             self._chunks.salvage()
         self._output.abandon()
+
+
+def _output(path: Path, inputs: list[Path]) -> Output | Pipe:
+    """Return where the log goes: into a file, or down standard output."""
+    return Pipe(sys.stdout.buffer) if path == STDOUT else Output(path, inputs)

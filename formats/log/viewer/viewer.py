@@ -1,0 +1,132 @@
+"""A run as viewers see it: the bodies once, then every snapshot's frames, least distances, clearances and contacts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import nan
+
+from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
+from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
+from google.protobuf.timestamp_pb2 import Timestamp
+
+from ....scheduler.chain import lineage, parents_first
+from ....scheduler.events import Collision, Nearness, PairKey, Phase, Snapshot, Verdict
+from ....scheduler.motions import Fixed
+from ....scheduler.scene import Scene
+from ....scheduler.snapshot import world_poses
+from .. import messages_pb2 as pb
+from ..chunks import Channel
+from .drawings import Drawings
+from .entities import BodyEntities
+from .layout import layout
+from .markers import MarkerSizes, clearances, contact, update
+from .reach import reach
+from .transforms import TransformPacker
+from .wire import timestamp
+
+# Moving bodies. More of them do not bear their names, which would hide what they name.
+_MOST_LABELLED = 8
+
+
+@dataclass(frozen=True, slots=True)
+class ViewerOptions:
+    """How much viewers get.
+
+    Attributes:
+        pairs: how many of the nearest pairs are told and drawn, at most.
+        triangles: of the bodies' drawings in all; bodies that do not fit are drawn as their boxes.
+    """
+
+    pairs: int = 10
+    triangles: int = 1_000_000
+
+
+class Viewer:
+    """Turns a run into messages for viewers: pairs of a channel and a message's bytes.
+
+    Attributes:
+        channels: all that it writes to.
+        boxed: how many bodies are drawn as boxes, for want of triangles.
+        layout: the Foxglove layout that fits the scene, as JSON.
+    """
+
+    def __init__(self, scene: Scene, options: ViewerOptions) -> None:
+        """Take the scene and how much of it to show."""
+        bodies = scene.bodies
+        self._start = scene.start
+        self._options = options
+        self._bodies = bodies
+        self._names = tuple(body.name for body in bodies)
+        moving = [any(not isinstance(bodies[i].motion, Fixed) for i in lineage(bodies, k)) for k in range(len(bodies))]
+        self._frames = [index for index, moves in enumerate(moving) if moves]
+        self._packer = self._packer_of(self._frames)
+        self._poses_at_start = world_poses(bodies, parents_first(bodies), scene.start)
+        drawings = Drawings(bodies)
+        self._entities = BodyEntities(bodies, moving, self._poses_at_start, drawings, options.triangles)
+        seen = reach(scene, drawings.outlines, moving)
+        self._sizes = MarkerSizes(seen.size)
+        self._meshes = Channel("/scene/meshes", SceneUpdate)
+        self._tf = Channel("/tf", FrameTransforms)
+        self._world = Channel("/world", pb.World)
+        self._clearance = Channel("/viz/clearance", SceneUpdate)
+        self._contacts = Channel("/viz/contacts", SceneUpdate)
+        self.channels = (self._meshes, self._tf, self._world, self._clearance, self._contacts)
+        self.boxed = self._entities.boxed
+        self.layout = layout(seen, labelled=len(self._frames) <= _MOST_LABELLED)
+
+    def opening(self, log_time: int) -> Iterator[tuple[Channel, bytes]]:
+        """Yield the bodies and where they are at the start, `log_time` in ns: without ticks, all that is known."""
+        yield self._meshes, self._entities.all(timestamp(log_time))
+        if self._frames:
+            yield self._tf, self._packer.pack(timestamp(log_time), self._poses_at_start[self._frames])
+
+    def shown(self, snapshot: Snapshot, log_time: int) -> Iterator[tuple[Channel, bytes]]:
+        """Yield what a snapshot shows, at `log_time` in ns."""
+        stamp = timestamp(log_time)
+        if snapshot.occasion is not None:
+            frames = self._frames_of(snapshot.occasion.pair)
+            yield self._tf, self._packer_of(frames).pack(stamp, snapshot.poses[frames])
+        elif self._frames and snapshot.time != self._start:  # the opening told where all is at the start
+            yield self._tf, self._packer.pack(stamp, snapshot.poses[self._frames])
+        yield self._world, self._told(snapshot, stamp)
+        apart = (near for near in snapshot.nearest[: self._options.pairs] if 0.0 < near.distance < self._sizes.farthest)
+        yield self._clearance, clearances(((self._pair_name(near.pair), near) for near in apart), self._sizes, stamp)
+        yield self._contacts, self._touching(snapshot, stamp)
+
+    def _told(self, snapshot: Snapshot, stamp: Timestamp) -> bytes:
+        world = pb.World(timestamp=stamp, min_distance=nan, contacts=snapshot.contacts)
+        if snapshot.nearest:
+            world.min_distance = snapshot.nearest[0].distance
+            world.pair = self._pair_name(snapshot.nearest[0].pair)
+        for near in snapshot.nearest[: self._options.pairs]:
+            world.pairs.add(pair=self._pair_name(near.pair), distance=near.distance, verdict=near.verdict.name)
+        data: bytes = world.SerializeToString()
+        return data
+
+    def _touching(self, snapshot: Snapshot, stamp: Timestamp) -> bytes:
+        touching = [near for near in snapshot.nearest if _stays_in_contact(near, snapshot.occasion)]
+        bodies = sorted({body for near in touching for body in (near.pair.a, near.pair.b)})
+        red = [self._entities.in_red(body, stamp, snapshot.poses[body]) for body in bodies]
+        marks = []
+        for near in touching:
+            roof = max(self._entities.roof(body, snapshot.poses[body]) for body in (near.pair.a, near.pair.b))
+            marks.append(contact(self._pair_name(near.pair), near.witness_a, roof, self._sizes, stamp))
+        return update(stamp, [*red, *marks])
+
+    def _frames_of(self, pair: PairKey) -> list[int]:
+        """Return the moving bodies in the chains of a pair's two, in document order."""
+        chains = {*lineage(self._bodies, pair.a), *lineage(self._bodies, pair.b)}
+        return sorted(chains.intersection(self._frames))
+
+    def _packer_of(self, frames: list[int]) -> TransformPacker:
+        return TransformPacker([self._names[frame] for frame in frames])
+
+    def _pair_name(self, pair: PairKey) -> str:
+        return f"{self._names[pair.a]}|{self._names[pair.b]}"
+
+
+def _stays_in_contact(near: Nearness, occasion: Collision | None) -> bool:
+    """Tell whether a pair touches, and goes on: where a contact ends the snapshot shows what is left."""
+    ends = occasion is not None and occasion.phase is Phase.END and occasion.pair.id == near.pair.id
+    return near.verdict is Verdict.CONTACT and not ends

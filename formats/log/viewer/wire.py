@@ -1,0 +1,55 @@
+"""Protobuf wire bytes, for what is too large to be filled field by field."""
+
+from __future__ import annotations
+
+import numpy as np
+from google.protobuf.timestamp_pb2 import Timestamp
+from numpy.typing import NDArray
+
+from ....scheduler.scene import FloatArray, IntArray
+from ..clock import NANOSECONDS_PER_SECOND
+
+Bytes = NDArray[np.uint8]
+
+_LENGTH_DELIMITED = 2
+
+# A message {double x = 1; double y = 2; double z = 3}, embedded in a field: all but the doubles are constant.
+_POINT = np.dtype([("head", "u1", 3), ("x", "<f8"), ("tag_y", "u1"), ("y", "<f8"), ("tag_z", "u1"), ("z", "<f8")])
+_POINT_BYTES = 27
+TAG_X, TAG_Y, TAG_Z, TAG_W = 0x09, 0x11, 0x19, 0x21
+
+
+def varint(value: int) -> bytes:
+    """Return a whole number >= 0 as protobuf writes it: seven bits a byte, the lowest first."""
+    out = bytearray()
+    while value > 0x7F:
+        out.append(value & 0x7F | 0x80)
+        value >>= 7
+    out.append(value)
+    return bytes(out)
+
+
+def embedded(field: int, data: bytes) -> bytes:
+    """Return a field that holds a message, a string, or packed numbers."""
+    return varint(field << 3 | _LENGTH_DELIMITED) + varint(len(data)) + data
+
+
+def points(field: int, coordinates: FloatArray) -> bytes:
+    """Return a repeated field < 16 of points, (n, 3) m; 0.5 ms for 20,000, 8 ms through message objects."""
+    out = np.empty(len(coordinates), dtype=_POINT)
+    out["head"] = (field << 3 | _LENGTH_DELIMITED, _POINT_BYTES, TAG_X)
+    out["tag_y"], out["tag_z"] = TAG_Y, TAG_Z
+    for axis, name in enumerate("xyz"):
+        out[name] = coordinates[:, axis]
+    return out.tobytes()
+
+
+def indices(field: int, values: IntArray) -> bytes:
+    """Return a packed field of fixed32, of any shape, row by row."""
+    return embedded(field, values.astype("<u4").tobytes())
+
+
+def timestamp(log_time: int) -> Timestamp:
+    """Return a log time, ns >= 0, as a message."""
+    seconds, nanos = divmod(log_time, NANOSECONDS_PER_SECOND)
+    return Timestamp(seconds=seconds, nanos=nanos)
