@@ -77,8 +77,10 @@ def observed(
                 tick = next(ticks, None)
         yield event
         if isinstance(event, Collision):
-            (touching.add if event.phase is Phase.BEGIN else touching.discard)(event.pair.id)
+            touching.add(event.pair.id)  # at either end of a contact, at its own time, the pair touches
             yield observer.at(event.time, frozenset(touching), event)
+            if event.phase is Phase.END:
+                touching.discard(event.pair.id)
     while tick is not None:
         yield observer.at(tick, frozenset(touching))
         tick = next(ticks, None)
