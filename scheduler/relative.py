@@ -138,8 +138,8 @@ class RelativeMotion:
             duration: s.
             after: m, the same at the second.
         """
-        left = self.left(moments, before, duration)
         straight = self.approach(moments, duration).distance(duration)
+        left = spendable(before) - min(self.displacement(moments, duration), straight)
         path = min(self.path_length(moments, duration), straight)
         two_sided = two_sided_clearance(spendable(before), spendable(after), path)
         return Proof(max(left, two_sided), max(0.0, -two_sided))
@@ -149,8 +149,7 @@ class RelativeMotion:
 
         A jump at the end of the duration is left out.
         """
-        straight = self.approach(moments, duration).distance(duration)
-        return spendable(clearance) - min(self.displacement(moments, duration), straight)
+        return spendable(clearance) - self.displacement(moments, duration)
 
 
 def _lecture_sleep(near: Approach, now: float, spend: float) -> float:
