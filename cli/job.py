@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 from math import inf
 from pathlib import Path
 from time import perf_counter
@@ -14,9 +15,11 @@ from ..formats.log.chunks import Compression
 from ..formats.log.summary import Summary
 from ..formats.log.viewer.viewer import ViewerOptions
 from ..formats.log.writer import LogOptions, LogWriter, Topics
+from ..formats.scene.errors import SceneError, whole_file
+from ..formats.scene.loaded import LoadedScene
 from ..formats.scene.reader import read_scene
 from ..scheduler.narrow_phase import NarrowPhase
-from ..scheduler.pair import pairs_that_might_collide
+from ..scheduler.pair import Pair, pairs_that_might_collide
 from ..scheduler.run import run
 from ..scheduler.scene import Scene, Settings, least_duration
 from ..scheduler.snapshot import Observer, observed
@@ -47,14 +50,11 @@ def run_job(scene_path: Path, output: Path, options: RunOptions) -> Result:
         SceneError, LogError: for what the user can mend.
     """
     began = perf_counter()
-    loaded = read_scene(scene_path, options.mesh_roots)
+    loaded = read_scene(scene_path, options.mesh_roots, options.max_bytes)
     settings = _settings(loaded.scene, loaded.settings, options)
     narrow_phase = NarrowPhase(loaded.scene.bodies)
-    pairs = tuple(pairs_that_might_collide(loaded.scene, narrow_phase))
-    if not pairs:
-        nothing = f"{scene_path}: nothing to check: no two bodies that may be checked move relative to each other"
-        loaded = replace(loaded, warnings=(*loaded.warnings, nothing))
-    events = run(loaded.scene, pairs, settings)
+    loaded, pairs = paired(loaded, narrow_phase, settings, options.max_pairs, options.strict)
+    events = run(pairs, settings)
     if options.log == "full":
         observer = Observer(loaded.scene, pairs, options.viz_pairs)
         events = observed(events, observer, loaded.scene, options.rate, settings.time_resolution)
@@ -80,6 +80,26 @@ def run_job(scene_path: Path, output: Path, options: RunOptions) -> Result:
     return Result(summary, loaded.warnings, seconds)
 
 
+def paired(
+    loaded: LoadedScene, narrow_phase: NarrowPhase, settings: Settings, max_pairs: int, strict: bool
+) -> tuple[LoadedScene, tuple[Pair, ...]]:
+    """Return the scene with its last warnings, and its pairs.
+
+    Raises:
+        SceneError: for more than `max_pairs` pairs, and under `strict` for any warning.
+    """
+    candidates = pairs_that_might_collide(loaded.scene, narrow_phase, settings.margin)
+    pairs = tuple(islice(candidates, max_pairs + 1))
+    if len(pairs) > max_pairs:
+        raise SceneError([whole_file(loaded.path, f"more than {max_pairs} pairs, ignore some or raise --max-pairs")])
+    if not pairs:
+        nothing = "nothing to check: no two bodies that may be checked move relative to each other"
+        loaded = replace(loaded, warnings=(*loaded.warnings, str(whole_file(loaded.path, nothing))))
+    if strict and loaded.warnings:
+        raise SceneError([whole_file(loaded.path, f"under --strict: {text}") for text in loaded.warnings])
+    return loaded, pairs
+
+
 def _log_options(options: RunOptions) -> LogOptions:
     """Return what the log shall hold."""
     return LogOptions(
@@ -96,8 +116,11 @@ def _settings(scene: Scene, settings: Settings, options: RunOptions) -> Settings
     least = least_duration(scene.start, scene.end)
     given = {"time_resolution": options.time_resolution, "contact_tolerance": options.contact_tolerance}
     chosen = {name: value for name, value in given.items() if value is not None}
+    if options.margin is not None and not 0.0 <= options.margin < inf:
+        raise click.BadParameter(f"expected 0 m or more, got {options.margin}.", param_hint="--margin")
     for name, value in chosen.items():
         if not least <= value < inf:
             option = "--" + name.replace("_", "-")
             raise click.BadParameter(f"expected at least {least:.3g} s, got {value}.", param_hint=option)
-    return replace(settings, **chosen)
+    margin = settings.margin if options.margin is None else options.margin
+    return replace(settings, margin=margin, **chosen)

@@ -12,7 +12,9 @@ from closecall import __version__
 
 COMMANDS = {
     "run": "Run a scene and write its certified log.",
+    "check": "Check a scene and tell what was understood.",
     "summary": "Print what a log found, worst pairs first.",
+    "schema": "Print the JSON Schema of the scene file.",
 }
 
 

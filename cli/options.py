@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
@@ -23,11 +23,15 @@ class RunOptions:
     out_dir: Path | None
     time_resolution: float | None
     contact_tolerance: float | None
+    margin: float | None
     fail_on: tuple[str, ...]
     epoch: int
     compression: str
     attach_meshes: bool
     mesh_roots: tuple[Path, ...]
+    max_bytes: int
+    max_pairs: int
+    strict: bool
     log: str
     topics: str
     rate: float
@@ -55,18 +59,33 @@ def _rate(ctx: click.Context, param: click.Parameter, value: float) -> float:
 
 
 _PATH = click.Path(path_type=Path)
+_SCENE_OPTIONS = (
+    click.option(
+        "--mesh-root", "mesh_roots", multiple=True, type=_PATH, metavar="DIR", help="Files may come from here too."
+    ),
+    click.option(
+        "--max-bytes",
+        type=click.IntRange(1),
+        default=64 * 2**20,
+        show_default=True,
+        help="A larger scene file is refused.",
+    ),
+    click.option(
+        "--max-pairs", type=click.IntRange(1), default=5_000_000, show_default=True, help="More pairs are refused."
+    ),
+    click.option("--strict", is_flag=True, help="Refuse a scene that gives any warning."),
+)
 _OPTIONS = (
     click.option("-o", "--output", type=_PATH, metavar="LOG", help="The log to write; - for standard output."),
     click.option("--out-dir", type=_PATH, metavar="DIR", help="Write each scene's log into this folder."),
     click.option("--time-resolution", type=float, metavar="S", help="Least step of the main loop, s."),
     click.option("--contact-tolerance", type=float, metavar="S", help="Widest bracket of a begin or end, s."),
+    click.option("--margin", type=float, metavar="M", help="Nearer than this is a breach, m."),
     click.option("--fail-on", callback=_findings, metavar="WHAT", help=f"Exit 1 if found: {','.join(FINDINGS)}."),
     click.option("--epoch", type=int, default=0, show_default=True, metavar="NS", help="Added to log times, ns."),
     click.option("--compression", type=click.Choice(["zstd", "lz4", "none"]), default="zstd", show_default=True),
     click.option("--attach-meshes/--no-attach-meshes", default=True, help="Keep the mesh files in the log, or not."),
-    click.option(
-        "--mesh-root", "mesh_roots", multiple=True, type=_PATH, metavar="DIR", help="Meshes may come from here too."
-    ),
+    *_SCENE_OPTIONS,
     click.option(
         "--log",
         type=click.Choice(["full", "certificate"]),
@@ -112,6 +131,15 @@ _OPTIONS = (
 
 def run_options(function: AnyFunction) -> AnyFunction:
     """Add the options of a run to a command, which takes them as keywords of `RunOptions`."""
-    for option in reversed(_OPTIONS):
+    return _with(_OPTIONS, function)
+
+
+def scene_options(function: AnyFunction) -> AnyFunction:
+    """Add the options of reading a scene to a command: mesh_roots, max_bytes, max_pairs, strict."""
+    return _with(_SCENE_OPTIONS, function)
+
+
+def _with(options: Sequence[Callable[[AnyFunction], AnyFunction]], function: AnyFunction) -> AnyFunction:
+    for option in reversed(options):
         function = option(function)
     return function

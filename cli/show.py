@@ -75,15 +75,21 @@ def _distance(pair: PairSummary) -> str:
 
 
 def _contacts(pair: PairSummary) -> str:
-    """Return the first contact's begin and end, and how many there are."""
+    """Return the first contact's begin and end with the keys it lies between, and how many there are."""
     contacts = pair["contacts"]
     if not contacts:
-        return (
-            "unresolved " + ", ".join(f"{a:.6g}..{b:.6g} s" for a, b in pair["unresolved"][:2])
-            if pair["unresolved"]
-            else ""
-        )
+        spans = pair["breaches"] or pair["unresolved"]
+        kind = "breach" if pair["breaches"] else "unresolved"
+        return f"{kind} " + ", ".join(f"{a:.6g}..{b:.6g} s" for a, b in spans[:2]) if spans else ""
     first = contacts[0]
     end = "the end" if first["end"] is None else f"{first['end'][0]:.7g}"
+    keys = "".join(f", {body} {_between(*around)}" for body, around in first["keys"].items())
     more = f" and {len(contacts) - 1} more" if len(contacts) > 1 else ""
-    return f"{first['begin'][1]:.7g} .. {end} s{more}"
+    return f"{first['begin'][1]:.7g} .. {end} s{keys}{more}"
+
+
+def _between(before: str, after: str) -> str:
+    """Return which named keys a moment lies between, of which either may be missing."""
+    if before and after:
+        return f"between {before} and {after}"
+    return f"after {before}" if before else f"before {after}"

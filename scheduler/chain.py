@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,6 +23,20 @@ class Ball:
 
     centre: Vector
     radius: float
+
+
+class Twist(NamedTuple):
+    """A frame's motion at one time: its origin's place (m) and velocity (m/s), and its angular velocity (rad/s)."""
+
+    origin: Vector
+    velocity: Vector
+    angular_velocity: Vector
+
+    def at(self, points: FloatArray) -> FloatArray:
+        """Return the velocities (..., 3) m/s of points (..., 3) m that move with the frame."""
+        arms = points - np.array(self.origin)
+        turning: FloatArray = np.cross(np.array(self.angular_velocity), arms)
+        return np.array(self.velocity) + turning
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -124,8 +139,8 @@ class Chain:
             below += joint.motion.displacement(moment.time, duration, reach)
         return total
 
-    def velocities(self, moment: Moment) -> tuple[Vector, Vector]:
-        """Return the last moved frame's origin velocity (m/s) and angular velocity (rad/s) in the ancestor's frame."""
+    def twist(self, moment: Moment) -> Twist:
+        """Return how the last moved frame moves in the ancestor's frame."""
         v, w, above = ZERO, ZERO, _WORLD
         for index, joint in enumerate(self.joints):
             frame = moment.frames[index]
@@ -134,7 +149,7 @@ class Chain:
             v = add(add(v, cross(w, arm)), turned(frame, local_v))
             w = add(w, turned(frame, local_w))
             above = frame @ joint.motion.pose(moment.time)
-        return v, w
+        return Twist(translation_of(above), v, w)
 
     def rates(self, moment: Moment, duration: float) -> Rates:
         """Return suprema over [t, t + duration] of the last moved frame's rates in the ancestor's frame.
@@ -156,6 +171,10 @@ class Chain:
             spin_up += rates.angular_acceleration + spin * rates.angular_speed
             spin += rates.angular_speed
         return Rates(speed, acceleration, spin, spin_up)
+
+    def fastest(self, twist: Twist) -> float:
+        """Return above the speed (m/s) of every point of the body and of the terms that it is the sum of."""
+        return norm(twist.velocity) + norm(twist.angular_velocity) * self.radius
 
     @property
     def radius(self) -> float:

@@ -37,6 +37,7 @@ class Bound(Enum):
     NONE = ""
     LECTURE = "lecture"
     DISPLACEMENT = "displacement"
+    DIRECTIONAL = "directional"
     TIME_RESOLUTION = "time_resolution"
     CONTACT_TOLERANCE = "contact_tolerance"
 
@@ -153,9 +154,10 @@ class Span:
     """One verdict over [start, end].
 
     Attributes:
-        clearance: m, certified lower bound on the distance inside; 0 unless CLEAR.
+        clearance: m, certified lower bound on the distance inside; 0 where touching is not excluded. Above 0 in an
+            UNRESOLVED span, it is the margin that is neither kept nor breached for certain.
         depth_limit: m, no point of one solid is deeper than this in the other, inside an UNRESOLVED span; 0 when
-            CLEAR, nan when CONTACT.
+            CLEAR or BREACH, nan when CONTACT.
     """
 
     pair: PairKey
@@ -176,7 +178,7 @@ class Nearness:
     """How near a pair is at the instant of a snapshot, measured exactly.
 
     Attributes:
-        verdict: CONTACT where the solids touch (distance 0), else CLEAR; of the instant alone.
+        verdict: CONTACT where the solids touch (distance 0), BREACH below the margin, else CLEAR; of the instant alone.
         witness_a, witness_b: the nearest points, in the world.
     """
 

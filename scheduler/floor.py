@@ -10,7 +10,7 @@ from .scene import Settings
 #: end, or a proved step of the whole resolution. It caps what a long graze costs; leaving a contact with a bound r
 #: times the true speed takes about 3.5 r such steps.
 FINE_STEPS = 256
-#: The finest of those steps, as a share of the contact tolerance.
+#: The finest of those steps, as a share of the tolerance.
 FINEST = 1.0 / 256.0
 
 
@@ -18,15 +18,15 @@ class Floor:
     """The least sleep of a pair (s), now.
 
     A step of the floor that cannot be proved clear is taken back and tried with a quarter of it, down to a share of the
-    contact tolerance and while `FINE_STEPS` last; each step of the floor that is proved doubles it again, and at least
+    tolerance and while `FINE_STEPS` last; each step of the floor that is proved doubles it again, and at least
     to the tolerance: touching there, it would close a bracket.
     """
 
-    def __init__(self, settings: Settings, latest: float) -> None:
-        """Start at the time resolution; no time is greater than `latest` s."""
+    def __init__(self, settings: Settings, tolerance: float, latest: float) -> None:
+        """Start at the time resolution; `tolerance` is the least bracket in s, no time is greater than `latest` s."""
         self._resolution = settings.time_resolution
-        self._tolerance = settings.contact_tolerance
-        self._finest = max(FINEST * settings.contact_tolerance, 8.0 * ulp(latest))
+        self._tolerance = tolerance
+        self._finest = max(FINEST * tolerance, 8.0 * ulp(latest))
         self.restore()
 
     @property

@@ -16,8 +16,10 @@ import numpy as np
 
 from .chain import Ball, Extent
 from .events import Feature
+from .nearby import NOTHING, NearTriangles, Triangles, near_pairs
 from .rotation import FloatArray, mapped, translation_of
-from .scene import Body, Mesh, Shape
+from .scene import Body, IntArray, Mesh, Shape
+from .segments import piercing_margin
 from .sliver import EPSILON, without_slivers
 from .solid import Interior, component_points
 from .triangle import Triangle, feature_at, meeting_point
@@ -31,6 +33,7 @@ SCALE = 2.0**30
 #: triangle is thin (measured: at most 1.1e-16 over 6,000 near pairs, `python -m benchmarks.narrow_phase_error 6000`).
 DISTANCE_ERROR = 64.0 * EPSILON
 
+_PLAIN_REQUEST = fcl.DistanceRequest()
 _DISTANCE_REQUEST = fcl.DistanceRequest(enable_nearest_points=True)
 _COLLISION_REQUEST = fcl.CollisionRequest(num_max_contacts=1, enable_contact=False)
 
@@ -96,12 +99,10 @@ class Model:
         """Build the bounding volume hierarchy."""
         self.mesh = mesh
         collapsed, self.error = without_slivers(mesh)
-        self.bvh = fcl.BVHModel()
-        self.bvh.beginModel(len(mesh.vertices), len(collapsed))
-        self.bvh.addSubModel(mesh.vertices * SCALE, collapsed)
-        self.bvh.endModel()
+        self.bvh = _bvh(mesh.vertices, collapsed)
         self.ball = bounding_ball(mesh.vertices[np.unique(mesh.triangles)])
         self.points = component_points(mesh)
+        self.triangles = Triangles.of(mesh.vertices[mesh.triangles])
         self.interior = Interior(mesh) if mesh.solid else None
         self.degenerate = bool(np.any(collapsed[:, 1] == collapsed[:, 2]))
 
@@ -164,6 +165,7 @@ class NarrowPhase:
             tuple(PlacedShape(i, shape, models[id(shape.mesh)]) for i, shape in enumerate(body.shapes))
             for body in bodies
         )
+        self._point = fcl.CollisionObject(_bvh(np.zeros((1, 3)), np.zeros((1, 3), dtype=np.int64)), fcl.Transform())
 
     def nearest(self, a: int, b: int, pose_a: FloatArray, pose_b: FloatArray) -> Proximity:
         """Return how near the surfaces of the bodies a and b are, placed by poses (4x4) of one common frame."""
@@ -195,6 +197,46 @@ class NarrowPhase:
                         return add(mapped(solid.pose, (x, y, z)), translation_of(pose_a))
         return None
 
+    def triangles_within(
+        self, a: int, b: int, pose_a: FloatArray, pose_b: FloatArray, reach: float
+    ) -> NearTriangles | None:
+        """Return all pairs of triangles of the bodies a and b that may be within `reach` (m), None for too many."""
+        self._place(a, b, pose_a, pose_b)
+        found: list[tuple[FloatArray, FloatArray, FloatArray]] = []
+        for gap, one, other in self._by_gap(a, b):
+            if gap > reach:
+                break
+            rounding = one.shape.radius + other.shape.radius
+            near = near_pairs(one.model.triangles, other.model.triangles, one.pose, other.pose, reach + rounding)
+            if near is None:
+                return None
+            found.append((*near, np.full(len(near[0]), rounding)))
+        if not found:
+            return NOTHING
+        ones, others, radii = zip(*found, strict=True)
+        return NearTriangles(np.concatenate(ones), np.concatenate(others), np.concatenate(radii))
+
+    def hold(self, a: int, b: int, pose_a: FloatArray, pose_b: FloatArray) -> float:
+        """Return how far (m) two touching bodies may get relative to each other and touch; errs low, 0 if unknown.
+
+        The deepest of: rounded shapes by what their radii exceed their cores' distance, an edge through a triangle by
+        its margin, a corner inside a solid by its distance to the surface. Errors of measurement are not taken off.
+        """
+        self._place(a, b, pose_a, pose_b)
+        deepest = 0.0
+        for gap, one, other in self._by_gap(a, b):
+            if gap > 0.0:
+                break
+            rounding = one.shape.radius + other.shape.radius
+            if rounding > 0.0:
+                deepest = max(deepest, rounding - self._core_distance(one, other))
+                continue
+            near = near_pairs(one.model.triangles, other.model.triangles, one.pose, other.pose, 0.0)
+            if near is not None:
+                deepest = max(deepest, piercing_margin(*near))
+            deepest = max(deepest, self._depth(one, other), self._depth(other, one))
+        return deepest
+
     def error(self, a: int, b: int) -> float:
         """Return how far (m) a measured distance of the two bodies may be from the true one."""
         return sum(
@@ -223,6 +265,28 @@ class NarrowPhase:
             return _meeting(one, other, result.b1, result.b2)
         return Proximity.of_rounded(one.rounded(result.b1, (ax, ay, az)), other.rounded(result.b2, (bx, by, bz)))
 
+    def _core_distance(self, one: PlacedShape, other: PlacedShape) -> float:
+        """Return the distance (m) of two shapes' cores."""
+        began = perf_counter()
+        core = fcl.distance(one.object, other.object, _PLAIN_REQUEST, fcl.DistanceResult())
+        self.seconds += perf_counter() - began
+        return max(0.0, float(core) / SCALE)
+
+    def _depth(self, guest: PlacedShape, host: PlacedShape) -> float:
+        """Return how deep (m) the guest's corner nearest to the host's middle lies inside the host, 0 if outside."""
+        if host.model.interior is None:
+            return 0.0
+        corners = guest.model.mesh.vertices
+        away = corners - guest.local(np.array(host.centre))
+        corner = guest.world(corners[(away * away).sum(axis=1).argmin()])
+        if host.model.interior.contains(host.local(corner)[None]) is None:
+            return 0.0
+        self._point.setTransform(fcl.Transform(corner * SCALE))
+        began = perf_counter()
+        depth = fcl.distance(self._point, host.object, _PLAIN_REQUEST, fcl.DistanceResult())
+        self.seconds += perf_counter() - began
+        return max(0.0, float(depth) / SCALE)
+
     def _place(self, a: int, b: int, pose_a: FloatArray, pose_b: FloatArray) -> None:
         """Place both bodies as seen from the first one's origin."""
         origin = pose_a[:3, 3]
@@ -245,6 +309,15 @@ def _meeting(one: PlacedShape, other: PlacedShape, first: int, second: int) -> P
     point = meeting_point(one.corners(first), other.corners(second))
     feature_a, feature_b = one.rounded(first, point).feature, other.rounded(second, point).feature
     return Proximity(0.0, point, point, feature_a, feature_b)
+
+
+def _bvh(vertices: FloatArray, triangles: IntArray) -> Any:
+    """Return FCL's model of triangles (m, 3) over vertices (n, 3) m."""
+    model = fcl.BVHModel()
+    model.beginModel(len(vertices), len(triangles))
+    model.addSubModel(vertices * SCALE, triangles)
+    model.endModel()
+    return model
 
 
 def bounding_ball(points: FloatArray) -> Ball:

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from math import inf
 
 import numpy as np
 
 from .chain import Extent, chain_to, common_ancestor, lineage
-from .events import Distance, Feature, FeatureKind, Level, PairKey
+from .directional import Slabs, slabs
+from .events import Distance, Feature, FeatureKind, Level, PairKey, Verdict
 from .narrow_phase import NarrowPhase, Proximity, Rounded, body_extent
-from .relative import Moments, RelativeMotion
-from .rotation import FloatArray, mapped
+from .relative import CANCELLATION, Moments, RelativeMotion
+from .rotation import FloatArray, mapped, translation_of
 from .scene import Body, Scene, all_pairs, pair_id
 from .vector import Vector, norm, subtract
 
@@ -30,6 +32,8 @@ class Measurement:
         level: what measured it.
         clearance: m, certified lower bound on the distance of the surfaces, 0 where they touch within the error of
             measurement.
+        above: m, upper bound on that distance; inf where nothing exact was measured.
+        margin: m, of the pair.
         proximity: the exact measurement in the ancestor's frame, None where spheres sufficed.
         inside: a point of one body inside a solid of the other (the ancestor's frame), None where there is none or
             nobody looked.
@@ -39,6 +43,8 @@ class Measurement:
     moments: Moments
     level: Level
     clearance: float
+    above: float
+    margin: float
     proximity: Proximity | None
     inside: Vector | None = None
 
@@ -47,18 +53,48 @@ class Measurement:
         """Whether the solids share a point, to within the error of measurement."""
         return self.clearance <= 0.0 or self.inside is not None
 
+    @property
+    def standing(self) -> Verdict:
+        """CONTACT, BREACH (nearer than the margin, to within the error of measurement) or CLEAR, of the instant."""
+        if self.touching:
+            return Verdict.CONTACT
+        return Verdict.BREACH if self.clearance <= self.margin else Verdict.CLEAR
+
+    @property
+    def keeps(self) -> float:
+        """The distance (m) above which the standing is proved: the margin, or in breach that of contact."""
+        return self.margin if self.standing is Verdict.CLEAR else 0.0
+
+    @property
+    def spare(self) -> float:
+        """How far (m) the bodies may approach with the standing proved."""
+        return self.clearance - self.keeps
+
 
 class Pair:
-    """Two bodies that might collide, seen from their lowest common ancestor."""
+    """Two bodies that might collide, seen from their lowest common ancestor.
+
+    Attributes:
+        start, end: s, between which both bodies exist.
+        margin: m, nearer than which the pair is in breach.
+        error: m, by which a measured distance may be wrong.
+    """
 
     def __init__(
-        self, key: PairKey, bodies: tuple[Body, ...], motion: RelativeMotion, phase: NarrowPhase, error: float
+        self,
+        key: PairKey,
+        scene: Scene,
+        motion: RelativeMotion,
+        phase: NarrowPhase,
+        margin: float,
     ):
-        """Take the pair's relative motion and `error`, m, by which a measured distance may be too large."""
+        """Take the pair's relative motion, and its margin in m."""
         self.key = key
         self.motion = motion
-        self.error = error
-        self._bodies = bodies
+        self.margin = margin
+        self.start, self.end = scene.shared_time(key.a, key.b)
+        self.error = motion.rounding(max(abs(scene.start), abs(scene.end))) + phase.error(key.a, key.b)
+        self._bodies = scene.bodies
         self._narrow_phase = phase
 
     def measure(self, t: float) -> Measurement:
@@ -66,8 +102,8 @@ class Pair:
         moments = self.motion.at(t)
         radii = self.motion.a.ball.radius + self.motion.b.ball.radius
         clearance = norm(subtract(moments.a.centre, moments.b.centre)) - radii - self.error
-        if clearance > SPHERES_SUFFICE * radii and not self._round:
-            return Measurement(t, moments, Level.SPHERE, clearance, None)
+        if clearance - self.margin > SPHERES_SUFFICE * radii and not self._round:
+            return Measurement(t, moments, Level.SPHERE, clearance, inf, self.margin, None)
         return self._measured_exactly(t, moments)
 
     def measure_exactly(self, t: float) -> Measurement:
@@ -80,7 +116,8 @@ class Pair:
         else:
             level = Level.MESH
             proximity = self._narrow_phase.nearest(self.key.a, self.key.b, moments.a.pose, moments.b.pose)
-        return Measurement(t, moments, level, max(0.0, proximity.distance - self.error), proximity)
+        gap = proximity.distance
+        return Measurement(t, moments, level, max(0.0, gap - self.error), gap + self.error, self.margin, proximity)
 
     def look_inside(self, measurement: Measurement) -> Measurement:
         """Return the measurement with containment decided; needed wherever disjoint surfaces do not prove it."""
@@ -88,9 +125,35 @@ class Pair:
             return measurement
         moments = measurement.moments
         inside = self._narrow_phase.contained(self.key.a, self.key.b, moments.a.pose, moments.b.pose)
-        return Measurement(
-            measurement.time, moments, measurement.level, measurement.clearance, measurement.proximity, inside
-        )
+        return replace(measurement, inside=inside)
+
+    def hold(self, measurement: Measurement) -> float:
+        """Return how far (m) touching bodies may get relative to each other and certainly still touch; 0 if unknown."""
+        if measurement.inside is not None:
+            return measurement.clearance
+        moments = measurement.moments
+        return self._narrow_phase.hold(self.key.a, self.key.b, moments.a.pose, moments.b.pose) - self.error
+
+    def slabs(self, measurement: Measurement, duration: float, beyond: float) -> Slabs | None:
+        """Return the slabs between the bodies' triangles at a measurement, None where there are too many.
+
+        Args:
+            measurement: exact, of bodies apart.
+            duration: s, how far ahead they may be asked of.
+            beyond: m, what the triangles that are left out keep as distance until then.
+        """
+        moments = measurement.moments
+        near = self.motion.approach(moments, duration)
+        reach = self.motion.displacement(moments, near.horizon) * (1.0 + 1e-6) + beyond
+        pose_a, pose_b = moments.a.pose, moments.b.pose
+        found = self._narrow_phase.triangles_within(self.key.a, self.key.b, pose_a, pose_b, reach + 2.0 * self.error)
+        if found is None:
+            return None
+        centre = translation_of(pose_a)
+        twists = [chain.twist(moment) for chain, moment in ((self.motion.a, moments.a), (self.motion.b, moments.b))]
+        one, other = (twist._replace(origin=subtract(twist.origin, centre)) for twist in twists)
+        slack = CANCELLATION * (self.motion.a.fastest(twists[0]) + self.motion.b.fastest(twists[1]))
+        return slabs(found, (one, other), self.error, reach, near.acceleration, near.horizon, slack)
 
     def distance(self, measurement: Measurement) -> Distance | None:
         """Return the measurement as it is reported, in the world's frame; None where nothing exact was measured."""
@@ -139,18 +202,24 @@ class Pair:
         return pose
 
 
-def pairs_that_might_collide(scene: Scene, narrow_phase: NarrowPhase) -> Iterator[Pair]:
-    """Yield the allowed pairs of bodies with shapes that can move relative to each other, by pair id."""
+def pairs_that_might_collide(scene: Scene, narrow_phase: NarrowPhase, margin: float) -> Iterator[Pair]:
+    """Yield the allowed pairs of bodies with shapes that exist together and can move relative to each other, by id.
+
+    Args:
+        scene: whose rules say which pairs are allowed.
+        narrow_phase: of its bodies.
+        margin: m, of pairs that no rule gives one of their own.
+    """
     extents = {i: body_extent(body) for i, body in enumerate(scene.bodies) if body.shapes}
-    latest = max(abs(scene.start), abs(scene.end))
     for a, b in all_pairs(len(scene.bodies)):
-        if a not in extents or b not in extents or not scene.allows(a, b):
+        if a not in extents or b not in extents or not scene.rules.allow(a, b):
             continue
+        begin, end = scene.shared_time(a, b)
         motion = _relative_motion(scene.bodies, a, b, extents[a], extents[b])
-        if motion.rigid:
+        if motion.rigid or begin >= end:
             continue
-        error = motion.rounding(latest) + narrow_phase.error(a, b)
-        yield Pair(PairKey(pair_id(a, b, len(scene.bodies)), a, b), scene.bodies, motion, narrow_phase, error)
+        key = PairKey(pair_id(a, b, len(scene.bodies)), a, b)
+        yield Pair(key, scene, motion, narrow_phase, scene.rules.margin(a, b, margin))
 
 
 def _relative_motion(bodies: tuple[Body, ...], a: int, b: int, extent_a: Extent, extent_b: Extent) -> RelativeMotion:

@@ -93,7 +93,7 @@ class RelativeMotion:
         t = moments.a.time if self.a.joints else moments.b.time
         knot = min(self.a.knot_after(t), self.b.knot_after(t))
         horizon = duration if knot - t > duration else min(duration, shortened(t, knot - t))
-        (v_a, w_a), (v_b, w_b) = self.a.velocities(moments.a), self.b.velocities(moments.b)
+        (_, v_a, w_a), (_, v_b, w_b) = self.a.twist(moments.a), self.b.twist(moments.b)
         speed = norm(subtract(v_a, v_b)) + norm(w_a) * self.a.radius + norm(w_b) * self.b.radius
         rates_a, rates_b = self.a.rates(moments.a, horizon), self.b.rates(moments.b, horizon)
         steady = norm(subtract(rates_a.steady, rates_b.steady))

@@ -7,11 +7,11 @@ from collections.abc import Iterable, Iterator
 from .events import Bound, Event, Reason, Wakeup
 from .heap import WakeupQueue
 from .pair import Pair
-from .scene import Scene, Settings
+from .scene import Settings
 from .watch import Watch
 
 
-def run(scene: Scene, pairs: Iterable[Pair], settings: Settings) -> Iterator[Event]:
+def run(pairs: Iterable[Pair], settings: Settings) -> Iterator[Event]:
     """Yield everything that happens between the pairs that might collide, from the scene's start to its end.
 
     Invariant: every such pair sleeps in the heap, and until its wakeup either it provably cannot touch, or the step is
@@ -23,9 +23,9 @@ def run(scene: Scene, pairs: Iterable[Pair], settings: Settings) -> Iterator[Eve
     Wakeups come in order of time, but for those that refine: they go back by no more than one time resolution.
     """
     queue = WakeupQueue()
-    # Initially all pairs that might collide are measured at t0: all wake at once.
+    # Initially all pairs that might collide are measured at t0: all wake at once, but those of bodies yet to come.
     for pair in pairs:
-        queue.push(scene.start, Reason.START, Watch(pair, settings, scene.start, scene.end))
+        queue.push(pair.start, Reason.START, Watch(pair, settings))
 
     while queue:
         # The first pair is pulled off the queue,

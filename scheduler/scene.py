@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import ulp
+from math import inf, ulp
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,10 @@ from .motions import Motion
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+Interval = tuple[float, float]
+"""From and to, s."""
+
+ALWAYS: Interval = (-inf, inf)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,11 +38,17 @@ class Mesh:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shape:
-    """All points within `radius` (m) of a mesh, its core, placed in the body by `pose` (4x4, body_from_mesh)."""
+    """All points within `radius` (m) of a mesh, its core, placed in the body by `pose` (4x4, body_from_mesh).
+
+    Attributes:
+        chord_error: m, no point of the mesh is farther than this from the true shape, which it encloses; 0 where the
+            mesh is the shape itself.
+    """
 
     mesh: Mesh
     radius: float
     pose: FloatArray
+    chord_error: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,6 +56,9 @@ class Body:
     """A rigid body, or a mere frame when it has no shapes.
 
     world_from_body(t) = world_from_parent(t) @ pose @ motion.pose(t).
+
+    Attributes:
+        exists: s, from and to: when its shapes are there. Its frame always is.
     """
 
     name: str
@@ -53,32 +66,65 @@ class Body:
     pose: FloatArray
     motion: Motion
     shapes: tuple[Shape, ...]
+    exists: Interval = ALWAYS
+
+    @property
+    def chord_error(self) -> float:
+        """The farthest (m) that any of its meshes stands out from the true shape."""
+        return max((shape.chord_error for shape in self.shapes), default=0.0)
 
 
 @dataclass(frozen=True, slots=True)
-class PairRule:
-    """Whether pairs with one body in each set are checked. A rule that checks overrides one that ignores."""
+class PairSet:
+    """The pairs with one body in each of two sets."""
 
     one: frozenset[int]
     other: frozenset[int]
-    check: bool
 
-    def matches(self, a: int, b: int) -> bool:
-        """Tell whether the rule speaks of the pair of bodies a, b, in either order."""
+    def __contains__(self, pair: tuple[int, int]) -> bool:
+        """Tell whether the pair of bodies a, b is one of them, in either order."""
+        a, b = pair
         return (a in self.one and b in self.other) or (b in self.one and a in self.other)
 
 
 @dataclass(frozen=True, slots=True)
-class Settings:
-    """What the run may be asked to do, all in seconds.
+class PairRules:
+    """Which pairs are checked, and the margins of some: `checked` overrides `ignored`, a later margin an earlier one.
 
     Attributes:
-        time_resolution: the lecture's t_min, the least step of the main loop.
-        contact_tolerance: the widest bracket that a contact's begin or end may keep.
+        default: whether pairs that are neither ignored nor checked by name are checked.
+        margins: m.
+    """
+
+    ignored: tuple[PairSet, ...] = ()
+    checked: tuple[PairSet, ...] = ()
+    default: bool = True
+    margins: tuple[tuple[PairSet, float], ...] = ()
+
+    def allow(self, a: int, b: int) -> bool:
+        """Tell whether the pair of bodies a, b is checked."""
+        if any((a, b) in pairs for pairs in self.checked):
+            return True
+        return self.default and not any((a, b) in pairs for pairs in self.ignored)
+
+    def margin(self, a: int, b: int, default: float) -> float:
+        """Return the pair's margin (m), `default` where no rule names the pair."""
+        return next((margin for pairs, margin in reversed(self.margins) if (a, b) in pairs), default)
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """What the run may be asked to do.
+
+    Attributes:
+        time_resolution: s, the lecture's t_min, the least step of the main loop.
+        contact_tolerance: s, the widest bracket that a contact's begin or end may keep.
+        margin: m, a pair nearer than this is in breach, unless a rule of the scene gives it a margin of its own.
     """
 
     time_resolution: float = 1e-3
     contact_tolerance: float = 1e-6
+    margin: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,12 +134,12 @@ class Scene:
     bodies: tuple[Body, ...]
     start: float
     end: float
-    rules: tuple[PairRule, ...]
+    rules: PairRules
 
-    def allows(self, a: int, b: int) -> bool:
-        """Tell whether the rules let the pair of bodies a, b be checked."""
-        matching = [rule.check for rule in self.rules if rule.matches(a, b)]
-        return any(matching) or not matching
+    def shared_time(self, a: int, b: int) -> Interval:
+        """Return when both bodies exist within the scene's time, s; from >= to where they never meet."""
+        (a_from, a_to), (b_from, b_to) = self.bodies[a].exists, self.bodies[b].exists
+        return max(self.start, a_from, b_from), min(self.end, a_to, b_to)
 
 
 def least_duration(start: float, end: float) -> float:

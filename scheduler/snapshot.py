@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from math import floor
+from math import floor, inf
 
 import numpy as np
 
@@ -31,6 +31,8 @@ class Observer:
         self._first = np.array([pair.key.a for pair in pairs], dtype=np.int64)
         self._second = np.array([pair.key.b for pair in pairs], dtype=np.int64)
         self._radii = radii[self._first] + radii[self._second]
+        self._starts = np.array([pair.start for pair in pairs])
+        self._ends = np.array([pair.end for pair in pairs])
 
     def at(self, time: float, touching: frozenset[int], occasion: Collision | None = None) -> Snapshot:
         """Return the snapshot at `time` (s), while the pairs with ids in `touching` are in contact."""
@@ -42,8 +44,11 @@ class Observer:
         """Measure pairs in order of their bounding balls' gap until no other can be among the nearest."""
         centres = np.array([mapped(pose, centre) for pose, centre in zip(poses, self._centres, strict=True)])
         gaps = np.linalg.norm(centres[self._first] - centres[self._second], axis=1) - self._radii
+        gaps[(time < self._starts) | (time > self._ends)] = inf
         found: list[Nearness] = []
         for index in np.argsort(gaps, kind="stable"):
+            if gaps[index] == inf:
+                break
             if len(found) >= self._most_pairs and gaps[index] > found[-1].distance:
                 break
             pair = self._pairs[index]
@@ -111,4 +116,5 @@ def _nearness(pair: Pair, time: float, touching: bool) -> Nearness:
     assert told is not None
     if touching or told.distance == 0.0:
         return Nearness(pair.key, 0.0, Verdict.CONTACT, told.witness_a, told.witness_b)
-    return Nearness(pair.key, told.distance, Verdict.CLEAR, told.witness_a, told.witness_b)
+    verdict = Verdict.BREACH if told.distance < pair.margin else Verdict.CLEAR
+    return Nearness(pair.key, told.distance, verdict, told.witness_a, told.witness_b)

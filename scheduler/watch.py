@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import inf, nan, nextafter
+from math import inf, nan, nextafter, ulp
 from typing import NamedTuple
 
 from .events import Bound, Collision, ContactKind, Event, PairKey, Phase, Reason, Span, Verdict
 from .floor import Floor
+from .hold import Hold
+from .outlook import Outlook
 from .pair import Measurement, Pair
+from .relative import Proof
 from .scene import Settings
 
 #: From its clear side a bracket is walked by the bounds, but in steps no smaller than this share of it.
 BRACKET_SHARE = 1.0 / 8.0
+#: A margin's crossing is known to this share of the contact tolerance: so near that a breach's ends measure at the
+#: margin.
+MARGIN_SHARE = 1.0 / 16384.0
 
 
 class Plan(NamedTuple):
@@ -26,42 +32,45 @@ class Plan(NamedTuple):
 class Watch:
     """The state of one pair.
 
-    Everything up to `known.time` is decided and told. `other`, if there is one, is a later measurement with the
-    opposite answer (touching instead of clear, or clear instead of touching): the change lies between the two, and the
-    pair is woken inside until they are no further apart than the contact tolerance.
+    Everything up to `known.time` is decided and told. `other`, if there is one, is a later measurement with another
+    standing (touching instead of clear, or clear instead of in breach): the change lies between the two, and the pair
+    is woken inside until they are no further apart than the tolerance.
 
     Attributes:
         clearance: m, certified lower bound on the distance of the solids at the last measurement, 0 in contact.
     """
 
-    def __init__(self, pair: Pair, settings: Settings, start: float, end: float) -> None:
-        """Watch a pair over [start, end], s."""
+    def __init__(self, pair: Pair, settings: Settings) -> None:
+        """Watch a pair while both its bodies exist."""
         self.pair = pair
         self._settings = settings
-        self._end = end
+        self._end = pair.end
         self.clearance = 0.0
         self._known: Measurement | None = None
+        self._outlook: Outlook | None = None
         self._other: Measurement | None = None
-        self._floor = Floor(settings, max(abs(start), abs(end)))
-        self._spans = SpanRecord(pair.key, start)
+        latest = max(abs(pair.start), abs(pair.end))
+        self._margin_tolerance = max(MARGIN_SHARE * settings.contact_tolerance, 8.0 * ulp(latest))
+        tolerance = self._margin_tolerance if pair.margin > 0.0 else settings.contact_tolerance
+        self._floor = Floor(settings, tolerance, latest)
+        self._hold = Hold(pair, settings.time_resolution)
+        self._spans = SpanRecord(pair.key, pair.start)
 
     def learn(self, measurement: Measurement) -> Iterator[Event]:
         """Take in a measurement and yield what it settles: distances, spans, the begin or end of a contact."""
         known = self._known
         if known is None:
             measurement = self.pair.look_inside(measurement)
-            self._known = measurement
+            self._stand_at(measurement)
             if measurement.touching:
                 yield from self._change(measurement, measurement)
         else:
             measurement, verdict, clearance, depth_limit = self._judge(known, measurement)
-            if self._takes_back(measurement.time - known.time, verdict):
-                pass
-            elif measurement.touching is known.touching:
-                yield from self._spans.extend(measurement.time, verdict, clearance, depth_limit)
-                self._known = measurement
-            else:
+            if measurement.standing is not known.standing:
                 self._other = measurement
+            elif not self._takes_back(measurement.time - known.time, verdict):
+                yield from self._spans.extend(measurement.time, verdict, clearance, depth_limit)
+                self._stand_at(measurement)
         self.clearance = 0.0 if measurement.touching else measurement.clearance
         if (distance := self.pair.distance(measurement)) is not None:
             yield distance
@@ -75,23 +84,26 @@ class Watch:
         assert known is not None
         if other is None:
             return self._plan_ahead(known) if known.time < self._end else None
+        tolerance = self._tolerance(known, other)
+        gap = other.time - known.time
+        latest = gap - 0.5 * tolerance
         if known.touching:
-            return Plan(0.5 * (known.time + other.time), Reason.REFINE, Bound.CONTACT_TOLERANCE)
-        tolerance = self._settings.contact_tolerance
-        latest = other.time - 0.5 * tolerance
-        sleep, bound = self.pair.motion.sleep(known.moments, known.time, known.clearance, latest - known.time)
-        floor = min(self._floor.seconds, max(tolerance, BRACKET_SHARE * (other.time - known.time)))
+            return Plan(known.time + 0.5 * gap, Reason.REFINE, Bound.CONTACT_TOLERANCE)
+        floor = min(self._floor.seconds, max(tolerance, BRACKET_SHARE * gap))
+        sleep, bound = self._ahead.sleep(latest, floor)
+        if bound is Bound.DIRECTIONAL:  # nearly exact: what little it leaves is the bracket
+            floor = min(floor, tolerance)
         if sleep < floor:
             sleep, bound = floor, Bound.CONTACT_TOLERANCE
-        return Plan(min(known.time + sleep, latest), Reason.REFINE, bound)
+        if _leaves(known, other):
+            latest = 0.5 * gap
+        return Plan(known.time + min(sleep, latest), Reason.REFINE, bound)
 
     def _plan_ahead(self, known: Measurement) -> Plan:
         """Sleep for the best sound bound, at least the time resolution, and past no stop."""
         jump = self.pair.motion.stop_after(known.time)
         stop = min(jump, self._end)
-        sleep, bound = 0.0, Bound.TIME_RESOLUTION
-        if known.clearance > 0.0:
-            sleep, bound = self.pair.motion.sleep(known.moments, known.time, known.clearance, stop - known.time)
+        sleep, bound = self._proved_sleep(known, stop - known.time)
         reason = Reason.TIME_BOUND
         floor = self._settings.time_resolution if known.touching else self._floor.seconds
         if sleep < min(floor, stop - known.time):
@@ -103,6 +115,31 @@ class Watch:
             return Plan(known.time + sleep, reason, bound)
         return Plan(stop, Reason.KNOT if jump < self._end else Reason.END, bound)
 
+    def _proved_sleep(self, known: Measurement, horizon: float) -> tuple[float, Bound]:
+        """Return how long (s) the pair's standing is certain to last.
+
+        In breach it is certain that no contact begins; that the breach lasts, only as far as the time resolution.
+        """
+        if known.touching:
+            return self._hold.sleep(known, horizon)
+        sleep, bound = self._ahead.sleep(horizon, self._floor.seconds)
+        least = self._settings.time_resolution
+        if known.standing is not Verdict.BREACH or sleep <= least:
+            return sleep, bound
+        left = known.margin - known.above
+        lasting = (0.0, bound) if left <= 0.0 else self.pair.motion.sleep(known.moments, known.time, left, sleep)
+        return lasting if lasting[0] > least else (least, Bound.TIME_RESOLUTION)
+
+    def _stand_at(self, measurement: Measurement) -> None:
+        """Take a measurement as the last one known."""
+        self._known = measurement
+        self._outlook = None if measurement.touching else Outlook(self.pair, measurement)
+
+    @property
+    def _ahead(self) -> Outlook:
+        assert self._outlook is not None
+        return self._outlook
+
     def _jumps_between(self, known: Measurement, measurement: Measurement) -> bool:
         """Tell whether a jump parts two measurements: the last float before it and the jump itself are both stops."""
         adjacent = measurement.time <= nextafter(known.time, inf)
@@ -112,7 +149,7 @@ class Watch:
         """Tell whether a step (s) that proved nothing is to be taken back and tried finer."""
         if verdict is Verdict.UNRESOLVED:
             return self._floor.failed(step)
-        if verdict is Verdict.CLEAR:
+        if verdict is not Verdict.CONTACT:
             self._floor.proved(step)
         return False
 
@@ -124,33 +161,58 @@ class Watch:
         """
         if known.touching:
             return self.pair.look_inside(measurement), Verdict.CONTACT, 0.0, nan
-        if self._jumps_between(known, measurement):  # each side speaks for itself
-            left = self.pair.motion.left(known.moments, known.clearance, measurement.time - known.time)
-            verdict = Verdict.CLEAR if left > 0.0 else Verdict.UNRESOLVED
-            return self.pair.look_inside(measurement), verdict, max(0.0, min(left, measurement.clearance)), 0.0
         if measurement.touching:
             return measurement, Verdict.CONTACT, 0.0, nan
         duration = measurement.time - known.time
-        proof = self.pair.motion.proof(known.moments, known.clearance, duration, measurement.clearance)
+        if self._jumps_between(known, measurement):  # each side speaks for itself
+            left = self.pair.motion.left(known.moments, known.clearance, duration)
+            proof = Proof(min(left, measurement.clearance), 0.0)
+            measurement = self.pair.look_inside(measurement)
+        else:
+            proof = self._ahead.proof(measurement)
+            if proof.clearance <= 0.0:
+                measurement = self.pair.look_inside(measurement)
+        return measurement, *self._verdict(known, measurement, proof)
+
+    def _verdict(self, known: Measurement, measurement: Measurement, proof: Proof) -> tuple[Verdict, float, float]:
+        """Return what is proved between two measurements that do not touch: verdict, clearance, depth limit.
+
+        CLEAR holds the margin everywhere. Where a margin is crossed, between two measurements in breach, and for an
+        instant beside the margin, it is proved that nothing touches. Unresolved with a clearance is what grazes the
+        margin, certainly without contact.
+        """
+        clear = known.standing is measurement.standing is Verdict.CLEAR
+        if clear and proof.clearance > known.margin:
+            return Verdict.CLEAR, proof.clearance, 0.0
         if proof.clearance > 0.0:
-            return measurement, Verdict.CLEAR, proof.clearance, 0.0
-        return self.pair.look_inside(measurement), Verdict.UNRESOLVED, 0.0, proof.depth_limit
+            grazes = clear and measurement.time - known.time > self._margin_tolerance
+            return (Verdict.UNRESOLVED if grazes else Verdict.BREACH), proof.clearance, 0.0
+        return Verdict.UNRESOLVED, 0.0, proof.depth_limit
 
     def _close_bracket(self) -> Iterator[Event]:
-        """Tell the contact's begin or end once it is known to the contact tolerance."""
+        """Tell the change of standing once its time is known to the tolerance."""
         known, other = self._known, self._other
-        if known is None or other is None or other.time - known.time > self._settings.contact_tolerance:
+        if known is None or other is None or other.time - known.time > self._tolerance(known, other):
             return
-        self._known, self._other = other, None
+        if not (known.touching or other.touching):
+            _, verdict, clearance, depth_limit = self._judge(known, other)
+            yield from self._spans.extend(other.time, verdict, clearance, depth_limit)
+        self._stand_at(other)
+        self._other = None
         self._floor.restore()
-        yield from self._change(known, other)
+        if known.touching or other.touching:
+            yield from self._change(known, other)
+
+    def _tolerance(self, known: Measurement, other: Measurement) -> float:
+        """Return the widest bracket (s) that a change between two standings may keep."""
+        crosses_margin = not (known.touching or other.touching)
+        return self._margin_tolerance if crosses_margin else self._settings.contact_tolerance
 
     def _change(self, before: Measurement, after: Measurement) -> Iterator[Event]:
         """Tell a contact's begin (also one that stands at the start, where both are the same) or end."""
         begins = after.touching
         touching, clear = (after, before) if begins else (before, after)
         # A contact's span runs from the clear side of its begin to the clear side of its end.
-        yield from self._spans.extend(clear.time, Verdict.CLEAR if begins else Verdict.CONTACT, clear.clearance, 0.0)
         yield from self._spans.extend(after.time, Verdict.CONTACT, 0.0, nan)
         distance = self.pair.distance(touching)
         assert distance is not None
@@ -164,6 +226,11 @@ class Watch:
             distance.feature_b,
             distance.witness_a,
         )
+
+
+def _leaves(known: Measurement, other: Measurement) -> bool:
+    """Tell whether the change between two standings is a breach's end."""
+    return known.standing is Verdict.BREACH and other.standing is Verdict.CLEAR
 
 
 class SpanRecord:

@@ -39,7 +39,7 @@ def test_json_is_the_logs_summary_with_the_seconds(scene, tmp_path):
     assert json.loads(closecall("summary", "out.mcap", "--json", cwd=tmp_path).stdout) == printed
     (pair,) = printed["pairs"]
     assert pair["verdict"] == "contact"
-    assert printed["settings"] == {"time_resolution": 0.001, "contact_tolerance": 1e-6}
+    assert printed["settings"] == {"time_resolution": 0.001, "contact_tolerance": 1e-6, "margin": 0.0}
 
 
 def test_summary_prints_the_same_table_as_the_run(scene, tmp_path):
@@ -50,7 +50,7 @@ def test_summary_prints_the_same_table_as_the_run(scene, tmp_path):
 def test_options_override_the_scenes_settings(scene, tmp_path):
     options = ["--time-resolution", "0.01", "--contact-tolerance", "1e-4"]
     printed = json.loads(closecall("run", scene, "-o", "out.mcap", "--json", *options, cwd=tmp_path).stdout)
-    assert printed["settings"] == {"time_resolution": 0.01, "contact_tolerance": 1e-4}
+    assert printed["settings"] == {"time_resolution": 0.01, "contact_tolerance": 1e-4, "margin": 0.0}
     low, high = printed["pairs"][0]["contacts"][0]["begin"]
     assert 1e-6 < high - low <= 1e-4
 

@@ -23,7 +23,7 @@ from closecall.formats.log.chunks import CHUNK_BYTES, ChunkWriter
 from closecall.formats.log.errors import LogError
 from closecall.formats.log.output import Output
 from closecall.formats.log.writer import LogOptions, LogWriter
-from closecall.formats.scene.loaded import LoadedScene, MeshFile
+from closecall.formats.scene.loaded import InputFile, LoadedScene
 from closecall.scheduler.events import Bound, Level, PairKey, Reason, Wakeup
 from closecall.scheduler.scene import Body, Scene, Settings
 
@@ -36,7 +36,7 @@ def loaded(folder: Path, *, start: float = 0.0, meshes: tuple[bytes, ...] = ()) 
     for number, data in enumerate(meshes):
         file = folder / f"{number}.stl"
         file.write_bytes(data)
-        files.append(MeshFile(f"part_{number}", file, hashlib.sha256(data).hexdigest()))
+        files.append(InputFile(f"part_{number}", file, hashlib.sha256(data).hexdigest()))
     scene = Scene(bodies, start, 1e6, ())
     return LoadedScene(path, path.read_bytes(), scene, Settings(), tuple(files), ())
 

@@ -18,6 +18,7 @@ from closecall.formats.log import messages_pb2 as pb
 from closecall.formats.log.chunks import descriptor_set
 from closecall.formats.log.clock import nanoseconds
 from closecall.formats.log.facts import FactFiller
+from closecall.formats.scene.loaded import KeyNames
 from closecall.scheduler import events
 
 FOLDER = Path(pb.__file__).parent
@@ -25,7 +26,8 @@ FACTS = (pb.Wakeup(), pb.Distance(), pb.Collision(), pb.Span())
 CONTRACT = {
     "Wakeup": "reason level bound clearance sleep",
     "Distance": "distance witness_a witness_b feature_a feature_b",
-    "Collision": "phase time_clear time_touching kind triangle_a triangle_b point",
+    "Collision": "phase time_clear time_touching kind triangle_a triangle_b point shape_a shape_b "
+    "key_before_a key_after_a key_before_b key_after_b",
     "Span": "verdict start end clearance depth_limit",
 }
 
@@ -143,7 +145,7 @@ def test_nanoseconds_differ_from_the_float_product_where_that_is_wrong():
 
 
 def test_a_message_filled_again_keeps_nothing_of_the_last_fact():
-    filler = FactFiller(("one", "other", "third"))
+    filler = FactFiller(("one", "other", "third"), {})
     feature = events.Feature(events.FeatureKind.FACE, 3, 4, 5)
     nothing = events.Feature(events.FeatureKind.VERTEX, 0, 0, 0)
     first = events.Distance(1.0, events.PairKey(2, 1, 2), 7.0, (1.0, 2.0, 3.0), (4.0, 5.0, 6.0), feature, feature)
@@ -155,3 +157,18 @@ def test_a_message_filled_again_keeps_nothing_of_the_last_fact():
     assert again.SerializeToString() == fresh.SerializeToString()
     assert fresh.HasField("witness_a")
     assert fresh.HasField("feature_b")
+
+
+def test_a_collision_names_the_keys_around_the_touching_time_of_both_bodies():
+    keys = KeyNames((0.0, 2.0), ("home", "reach"), 0.0, 4.0, before=False, after=False)
+    filler = FactFiller(("one", "other", "third"), {1: keys})
+    nothing = events.Feature(events.FeatureKind.VERTEX, 0, 0, 0)
+    message = pb.Collision()
+    told = []
+    for pair, time in ((events.PairKey(0, 0, 1), 1.0), (events.PairKey(2, 1, 2), 3.0), (events.PairKey(1, 0, 2), 1.0)):
+        begin = events.Collision(
+            pair, events.Phase.BEGIN, time - 3.0, time, events.ContactKind.SURFACE, nothing, nothing, (0.0, 0.0, 0.0)
+        )
+        filler.fill_collision(message, begin)
+        told.append((message.key_before_a, message.key_after_a, message.key_before_b, message.key_after_b))
+    assert told == [("", "", "home", "reach"), ("reach", "", "", ""), ("", "", "", "")]

@@ -26,7 +26,7 @@ from closecall import __version__
 from closecall.formats.log import messages_pb2 as pb
 from closecall.formats.log.chunks import CHUNK_BYTES, Compression
 from closecall.formats.log.writer import LogOptions, LogWriter
-from closecall.formats.scene.loaded import LoadedScene, MeshFile
+from closecall.formats.scene.loaded import InputFile, LoadedScene
 from closecall.scheduler.events import (
     Bound,
     Collision,
@@ -58,7 +58,7 @@ def loaded(folder: Path, *, start: float = 0.0, end: float = 1e6, meshes: tuple[
     for number, data in enumerate(meshes):
         file = folder / f"{number}.stl"
         file.write_bytes(data)
-        files.append(MeshFile(f"part_{number}", file, hashlib.sha256(data).hexdigest()))
+        files.append(InputFile(f"part_{number}", file, hashlib.sha256(data).hexdigest()))
     scene = Scene(bodies, start, end, ())
     return LoadedScene(path, path.read_bytes(), scene, Settings(), tuple(files), ("open mesh: surface only",))
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from closecall.formats.scene.grammar import MeshReference
+from closecall.formats.scene.grammar.scene import MeshReference
 from closecall.formats.scene.meshes import LoadedMesh, MeshFolder
 from closecall.formats.scene.obj import read_obj
 from closecall.formats.scene.shapes import box_mesh, point_mesh, segment_mesh
@@ -251,7 +251,10 @@ def test_doubtful_meshes_are_warned_of(tmp_path: Path) -> None:
         ("none.obj", "none.obj: the file cannot be read: No such file"),
         ("sub", "sub: files without suffix is not supported"),
         ("folder.obj", "folder.obj: expected a file"),
-        ("t.ply", "t.ply: .ply is not supported by this version"),
+        (
+            "t.step",
+            "t.step: .step is not supported by this version, expected .3mf, .glb, .obj, .off, .ply or .stl",
+        ),
         ("bad.obj", "bad.obj:1: expected a finite coordinate"),
         ("huge.obj", "huge.obj: expected coordinates up to 1e"),
         ("../out.obj", "lies outside the scene's folder"),
@@ -273,7 +276,7 @@ def test_files_that_may_not_or_cannot_be_read_are_refused(tmp_path: Path, file: 
     (tmp_path / "out.obj").write_text(TETRAHEDRON)
     os.symlink(tmp_path / "out.obj", scene / "link.obj")
     os.symlink("loop.obj", scene / "loop.obj")
-    (scene / "t.ply").write_text("ply")
+    (scene / "t.step").write_text("step")
     (scene / "bad.obj").write_text("v nan 0 0\n")
     (scene / "huge.obj").write_text("v 1e200 0 0\nv 0 0 0\nv 0 1 0\nf 1 2 3\n")
     with pytest.raises(MeshError) as caught:
@@ -326,6 +329,7 @@ def test_primitives_are_triangle_cores() -> None:
         ("meshes/nancolor.obj", 12, True),
         ("meshes/negative_indices.obj", 12, True),
         ("meshes/not_convex.obj", 96, False),
+        ("meshes/plane.ply", 2, False),
         ("meshes/soup.stl", 100, False),
     ],
 )
@@ -338,9 +342,7 @@ def test_meshes_from_the_field_are_read_whole(file: str, triangles: int, solid: 
 
 
 @needs_shared
-@pytest.mark.parametrize(
-    "file", ["empty.obj", "empty.stl", "notenoughindices.obj", "points_emptyface.ply", "plane.ply"]
-)
+@pytest.mark.parametrize("file", ["empty.obj", "empty.stl", "notenoughindices.obj", "points_emptyface.ply"])
 def test_meshes_from_the_field_without_a_surface_are_refused(file: str) -> None:
     with pytest.raises(MeshError, match=file):
         load(SHARED, f"meshes/{file}")

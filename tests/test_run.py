@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from closecall.scheduler.events import Collision, ContactKind, Phase, Reason, Span, Verdict, Wakeup
-from closecall.scheduler.motions import Ballistic, Constant, Fixed, Harmonic, Keyframes, Screw, Swing
+from closecall.scheduler.motions import Ballistic, Constant, Fixed, Harmonic, Keyframes, Screw, Swing, Translation
 from closecall.scheduler.narrow_phase import NarrowPhase
 from closecall.scheduler.pair import pairs_that_might_collide
 from closecall.scheduler.run import run
-from closecall.scheduler.scene import Body, Mesh, PairRule, Scene, Settings, Shape, pair_id
+from closecall.scheduler.scene import Body, Mesh, PairRules, PairSet, Scene, Settings, Shape, pair_id
 
 O = (0.0, 0.0, 0.0)  # noqa: E741
 SETTINGS = Settings()
@@ -44,13 +44,16 @@ def box(x, y, z, place=HERE) -> Shape:
     return Shape(box_mesh(x, y, z), 0.0, place)
 
 
+ALL = PairRules()
+
+
 def body(name, motion, *shapes, pose=HERE, parent=None) -> Body:
     return Body(name, parent, pose, motion, shapes)
 
 
-def events_of(*bodies, start=0.0, end=1.0, rules=(), settings=SETTINGS):
+def events_of(*bodies, start=0.0, end=1.0, rules=ALL, settings=SETTINGS):
     scene = Scene(bodies, start, end, rules)
-    return list(run(scene, pairs_that_might_collide(scene, NarrowPhase(bodies)), settings))
+    return list(run(pairs_that_might_collide(scene, NarrowPhase(bodies), settings.margin), settings))
 
 
 def collisions(events, phase):
@@ -207,7 +210,7 @@ def test_a_contact_leaves_by_the_surface_and_begins_contained():
 def test_a_step_into_a_solid_is_seen_at_the_jump():
     keys = Keyframes(
         np.array([0.0, 0.4, 0.8]), np.array([[5.0, 0, 0], [0, 0, 0], [0, 0, 9.0]]), np.tile([1.0, 0, 0, 0], (3, 1)),
-        True, False,
+        Translation.STEP, False,
     )  # fmt: skip
     events = events_of(body("ball", keys, sphere(0.1)), body("case", Fixed(), box(1, 1, 1)), end=0.8)
     (begin,), (end,) = collisions(events, Phase.BEGIN), collisions(events, Phase.END)
@@ -219,7 +222,7 @@ def test_a_step_into_a_solid_is_seen_at_the_jump():
 def test_a_body_at_rest_until_a_knot_is_not_slept_past_it():
     keys = Keyframes(
         np.array([0.0, 0.5, 1.0]), np.array([[5.0, 0, 0], [5.0, 0, 0], [-5.0, 0, 0]]), np.tile([1.0, 0, 0, 0], (3, 1)),
-        False, False,
+        Translation.LINEAR, False,
     )  # fmt: skip
     events = events_of(body("a", keys, box(1, 1, 1)), body("b", Fixed(), box(1, 1, 1)))
     (begin,) = collisions(events, Phase.BEGIN)
@@ -254,15 +257,15 @@ def test_bodies_that_never_move_relative_to_each_other_are_never_paired():
         body("load", Fixed(), box(1, 1, 1), pose=at(0, 0, 1), parent=2),
         body("frame", Fixed()),
     )
-    scene = Scene(bodies, 0.0, 1.0, ())
-    pairs = [(p.key.a, p.key.b) for p in pairs_that_might_collide(scene, NarrowPhase(bodies))]
+    scene = Scene(bodies, 0.0, 1.0, ALL)
+    pairs = [(p.key.a, p.key.b) for p in pairs_that_might_collide(scene, NarrowPhase(bodies), 0.0)]
     assert pairs == [(0, 2), (0, 3), (1, 2), (1, 3)]
 
 
 def test_a_rule_that_checks_overrides_one_that_ignores():
     everyone, one = frozenset(range(3)), frozenset({0})
-    scene = Scene((), 0.0, 1.0, (PairRule(everyone, everyone, False), PairRule(one, frozenset({2}), True)))
-    assert [scene.allows(0, 1), scene.allows(0, 2), scene.allows(2, 0), scene.allows(1, 2)] == [
+    rules = PairRules((PairSet(everyone, everyone),), (PairSet(one, frozenset({2})),))
+    assert [rules.allow(0, 1), rules.allow(0, 2), rules.allow(2, 0), rules.allow(1, 2)] == [
         False,
         True,
         True,

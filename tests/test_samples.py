@@ -303,7 +303,7 @@ def test_the_swallowed_ball_is_contained_though_its_surface_stays_far_from_the_c
     shell = samples["ball_in_shell"]
     pair = "solid_casing", "swallowed_ball"
     assert shell.pairs_with("contact") == {"|".join(pair)}
-    assert shell.pair("|".join(pair))["contacts"] == [{"begin": [0.0, 0.0], "end": None}]
+    assert shell.pair("|".join(pair))["contacts"] == [{"begin": [0.0, 0.0], "end": None, "keys": {}}]
     (begin,) = read_log(shell.logs[0]).of("collisions")
     assert (begin["pair"], begin["phase"], begin["kind"]) == ("|".join(pair), "BEGIN", "CONTAINED")
     times = np.linspace(0.0, 4.0, 401)

@@ -219,12 +219,21 @@ def test_a_file_that_cannot_be_read_is_a_fault(tmp_path: Path) -> None:
         (Path("a\0b"), "null"),
     ]:
         with pytest.raises(SceneError, match=rf":1:1: scene: the file cannot be read: .*{reason}"):
-            read_bytes(path)
+            read_bytes(path, LARGEST_DOCUMENT)
 
 
 def test_a_document_over_the_limit_is_refused_unread(tmp_path: Path) -> None:
     path = tmp_path / "big.yaml"
     with path.open("wb") as file:
         file.truncate(LARGEST_DOCUMENT + 1)
-    with pytest.raises(SceneError, match="larger than 64 MiB"):
-        read_bytes(path)
+    expected = r"larger than 67108864 bytes, split it or allow more with --max-bytes"
+    with pytest.raises(SceneError, match=rf":1:1: scene: the file is {expected}"):
+        read_bytes(path, LARGEST_DOCUMENT)
+
+
+def test_a_document_of_just_the_limit_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "s.yaml"
+    path.write_bytes(b"a: 1")
+    assert read_bytes(path, 4) == b"a: 1"
+    with pytest.raises(SceneError, match="larger than 3 bytes"):
+        read_bytes(path, 3)

@@ -5,13 +5,13 @@ from __future__ import annotations
 import pytest
 
 from closecall.formats.scene.errors import SceneError
-from closecall.formats.scene.grammar import SceneFile
+from closecall.formats.scene.grammar.scene import SceneFile
 from closecall.formats.scene.source import read_document
 from closecall.formats.scene.wording import parsed
 
 HEAD = "closecall: 1\nunits: {length: m, angle: deg}\ntime: {start: 0, end: 1}\n"
+JSON_REST = '"units": {"length": "m", "angle": "deg"}, "time": {"start": 0, "end": 1}, "bodies": {}}'
 BODY = HEAD + "bodies:\n  gear:\n    "
-MOTION = BODY + "motion: "
 
 
 def faults(text: str) -> list[str]:
@@ -24,29 +24,16 @@ def accepted(text: str) -> SceneFile:
     return parsed(read_document(text.encode(), "s.yaml"))
 
 
+def test_the_address_of_a_schema_is_accepted_and_never_suggested() -> None:
+    assert accepted('{"$schema": "../closecall.schema.json", "closecall": 1, ' + JSON_REST).bodies == {}
+    (line,) = faults(HEAD + "bodies: {}\nschema: a.json\n")
+    assert line.startswith("5:1: scene: unknown key 'schema', expected closecall, units, time, settings, meshes")
+
+
 def test_a_least_scene_is_accepted() -> None:
     scene = accepted(HEAD + "bodies: {}\n")
     assert (scene.time.start, scene.time.end) == (0.0, 1.0)
     assert type(scene.time.end) is float
-
-
-@pytest.mark.parametrize(
-    "motion",
-    [
-        "{type: constant}",
-        "{type: constant, velocity: [1, 2, 3], angular_velocity: [0, 0, 1e-3]}",
-        "{type: ballistic, velocity: [1, 2, 3], acceleration: [0, 0, -9.81], angular_velocity: [0, 0, 1]}",
-        "{type: screw, axis: [0, 0, 1], point: [1, 0, 0], rate: 90, pitch: 0.01}",
-        "{type: screw, axis: [0, 0, 1], rate: 90}",
-        "{type: harmonic, direction: [1, 0, 0], amplitude: 0.4, period: 2, phase: 90}",
-        "{type: harmonic, direction: [1, 0, 0], amplitude: 0.4, period: 2}",
-        "{type: swing, axis: [0, 1, 0], point: [0, 0, 1], amplitude: 60, period: 0.7, phase: 1}",
-        "{type: keyframes, keys: [{t: 0}, {t: 1, xyz: [1, 2, 3], quat_wxyz: [1, 0, 0, 0]}]}",
-        "{type: keyframes, keys: [{t: 0}], interpolation: {translation: step, rotation: step}}",
-    ],
-)
-def test_every_motion_of_this_version_is_accepted(motion: str) -> None:
-    assert accepted(MOTION + motion).bodies["gear"].motion is not None
 
 
 @pytest.mark.parametrize(
@@ -75,7 +62,12 @@ def test_every_motion_of_this_version_is_accepted(motion: str) -> None:
             "4:31: settings.contact_tolerance: ",
             "greater than 0, got -1",
         ),
-        (HEAD + "settings: {margin: 1}\nbodies: {}", "4:12: settings: ", "'margin' is not supported by this version"),
+        (HEAD + "settings: {margin: -1}\nbodies: {}", "4:20: settings.margin: ", "of at least 0, got -1"),
+        (
+            HEAD + "settings: {margins: 1}\nbodies: {}",
+            "4:12: settings: ",
+            "unknown key 'margins' (did you mean 'margin'?), expected time_resolution, contact_tolerance or margin",
+        ),
         (HEAD + "meshes: {a: {file: x.obj}}\nbodies: {}", "4:10: meshes.a: ", "missing key 'units'"),
         (HEAD + "meshes: {a: {file: x.obj, units: mm, up: x}}\nbodies: {}", "4:42: meshes.a.up: ", "expected z or y"),
         (
@@ -84,7 +76,15 @@ def test_every_motion_of_this_version_is_accepted(motion: str) -> None:
             "expected text, got an empty one",
         ),
         (HEAD + "meshes: {a: {file: 5, units: mm}}\nbodies: {}", "4:20: meshes.a.file: ", "expected text, got 5"),
-        (BODY + "exists: [0, 1]", "6:5: bodies.gear: ", "'exists' is not supported by this version"),
+        (BODY + "exists: 1", "6:13: bodies.gear.exists: ", "expected a list, got 1"),
+        (BODY + "exists: [1]", "6:13: bodies.gear.exists: ", "expected 2 numbers, got 1"),
+        (BODY + "exists: [1, 2, 3]", "6:13: bodies.gear.exists: ", "expected 2 numbers, got 3"),
+        (BODY + "exists: [0, forever]", "6:17: bodies.gear.exists[1]: ", "expected a number, got 'forever'"),
+        (
+            BODY + "exist: [0, 1]",
+            "6:5: bodies.gear: ",
+            "unknown key 'exist' (did you mean 'exists'?), expected parent, pose, shapes, motion, groups or exists",
+        ),
         (BODY + "groups: drive", "6:13: bodies.gear.groups: ", "expected a list, got 'drive'"),
         (BODY + "groups: [1]", "6:14: bodies.gear.groups[0]: ", "expected text, got 1"),
         (BODY + "parent: [a]", "6:13: bodies.gear.parent: ", "expected text, got a list"),
@@ -104,7 +104,11 @@ def test_every_motion_of_this_version_is_accepted(motion: str) -> None:
             "expected matrix alone",
         ),
         (BODY + "shapes: [5]", "6:14: bodies.gear.shapes[0]: ", "expected a mapping with the key mesh, box"),
-        (BODY + "shapes: [{}]", "6:14: bodies.gear.shapes[0]: ", "missing key, expected mesh, box, sphere or capsule"),
+        (
+            BODY + "shapes: [{}]",
+            "6:14: bodies.gear.shapes[0]: ",
+            "missing key, expected mesh, box, sphere, capsule, cylinder, cone or ellipsoid",
+        ),
         (BODY + "shapes: [{pose: {}}]", "6:14: bodies.gear.shapes[0]: ", "missing key, expected mesh, box"),
         (
             BODY + "shapes: [{sphre: 1}]",
@@ -112,18 +116,6 @@ def test_every_motion_of_this_version_is_accepted(motion: str) -> None:
             "unknown shape 'sphre' (did you mean 'sphere'?)",
         ),
         (BODY + "shapes: [{sphere: 1, box: [1, 1, 1]}]", "6:14: bodies.gear.shapes[0]: ", "got box and sphere"),
-        (
-            BODY + "shapes: [{cylinder: {radius: 1, length: 1}}]",
-            "6:15: bodies.gear.shapes[0]: ",
-            "'cylinder' shapes are not supported by this version",
-        ),
-        (BODY + "shapes: [{cone: {}}]", "6:15: bodies.gear.shapes[0]: ", "'cone' shapes are not"),
-        (BODY + "shapes: [{ellipsoid: []}]", "6:15: bodies.gear.shapes[0]: ", "'ellipsoid' shapes are not"),
-        (
-            BODY + "shapes: [{mesh: a, scale: 2}]",
-            "6:24: bodies.gear.shapes[0]: ",
-            "'scale' is not supported by this version",
-        ),
         (
             BODY + "shapes: [{mesh: a, pos: {}}]",
             "6:24: bodies.gear.shapes[0]: ",
@@ -138,75 +130,35 @@ def test_every_motion_of_this_version_is_accepted(motion: str) -> None:
             "greater than 0",
         ),
         (BODY + "shapes: [{capsule: 1}]", "6:24: bodies.gear.shapes[0].capsule: ", "expected a mapping, got 1"),
-        (MOTION + "fast", "6:13: bodies.gear.motion: ", "expected a mapping with the key 'type', got 'fast'"),
-        (MOTION + "{}", "6:5: bodies.gear.motion: ", "missing key 'type'"),
-        (MOTION + "{type: 5}", "6:20: bodies.gear.motion.type: ", "unknown motion 5"),
-        (MOTION + "{type: [a]}", "6:20: bodies.gear.motion.type: ", "unknown motion a list"),
-        (MOTION + "{type: balistic}", "6:20: bodies.gear.motion.type: ", "(did you mean 'ballistic'?)"),
-        *(
-            (
-                MOTION + f"{{type: {name}}}",
-                "6:20: bodies.gear.motion.type: ",
-                f"'{name}' motions are not supported by this version",
-            )
-            for name in ("orbit", "polynomial", "profile", "file", "limits")
+        (HEAD + "bodies: {}\npairs: {default: no}", "5:18: pairs.default: ", "expected check or ignore, got 'no'"),
+        (HEAD + "bodies: {}\npairs: {default: ignored}", "5:18: pairs.default: ", "(did you mean 'ignore'?)"),
+        (HEAD + "bodies: {}\npairs: {margins: 1}", "5:18: pairs.margins: ", "expected a list, got 1"),
+        (
+            HEAD + "bodies: {}\npairs: {margins: [{between: [a, b]}]}",
+            "5:19: pairs.margins[0]: ",
+            "missing key 'margin'",
         ),
         (
-            MOTION + "{type: constant, veloctiy: [0, 0, 0]}",
-            "6:30: bodies.gear.motion: ",
-            "unknown key 'veloctiy' (did you mean 'velocity'?)",
-        ),
-        (MOTION + "{type: constant, constant: 1}", "6:30: bodies.gear.motion: ", "unknown key 'constant'"),
-        (MOTION + "{type: constant, t0: 1}", "6:30: bodies.gear.motion: ", "'t0' is not supported by this version"),
-        (MOTION + "{type: screw, rate: 1}", "6:5: bodies.gear.motion: ", "missing key 'axis'"),
-        (
-            MOTION + "{type: swing, axis: [0, 0, 1], amplitude: 1, period: 0}",
-            "6:66: bodies.gear.motion.period: ",
-            "greater than 0, got 0",
+            HEAD + "bodies: {}\npairs: {margins: [{between: [a, b], margin: -1}]}",
+            "5:45: pairs.margins[0].margin: ",
+            "expected a number of at least 0, got -1",
         ),
         (
-            MOTION + "{type: harmonic, direction: [0, 0, 1], amplitude: 1, period: -2}",
-            "6:74: bodies.gear.motion.period: ",
-            "got -2",
-        ),
-        (MOTION + "{type: keyframes, keys: []}", "6:37: bodies.gear.motion.keys: ", "expected at least one entry"),
-        (
-            MOTION + "{type: keyframes, keys: [{xyz: [0, 0, 0]}]}",
-            "6:38: bodies.gear.motion.keys[0]: ",
-            "missing key 't'",
+            HEAD + "bodies: {}\npairs: {margins: [{between: [a, b], margin: wide}]}",
+            "5:45: pairs.margins[0].margin: ",
+            "expected a number, got 'wide'",
         ),
         (
-            MOTION + "{type: keyframes, keys: [{t: abc}]}",
-            "6:42: bodies.gear.motion.keys[0].t: ",
-            "expected a number, got 'abc'",
+            HEAD + "bodies: {}\npairs: {ignore: [{between: [a, b], margin: 1}]}",
+            "5:36: pairs.ignore[0]: ",
+            "unknown key 'margin', expected between or reason",
         ),
         (
-            MOTION + "{type: keyframes, keys: [{t: 0, name: a}]}",
-            "6:45: bodies.gear.motion.keys[0]: ",
-            "'name' is not supported",
+            HEAD + "bodies: {}\npairs: {ignores: []}",
+            "5:9: pairs: ",
+            "unknown key 'ignores' (did you mean 'ignore'?), expected default, ignore, check or margins",
         ),
-        (
-            MOTION + "{type: keyframes, keys: [{t: 0, velocity: a}]}",
-            "6:45: bodies.gear.motion.keys[0]: ",
-            "'velocity' is not supported",
-        ),
-        (
-            MOTION + "{type: keyframes, keys: [{t: 0}], before: hold}",
-            "6:47: bodies.gear.motion: ",
-            "'before' is not supported",
-        ),
-        (
-            MOTION + "{type: keyframes, keys: [{t: 0}], interpolation: {translation: cubic}}",
-            "6:76: bodies.gear.motion.interpolation.translation: ",
-            "'cubic' is not supported by this version",
-        ),
-        (
-            MOTION + "{type: keyframes, keys: [{t: 0}], interpolation: {rotation: lerp}}",
-            "6:73: bodies.gear.motion.interpolation.rotation: ",
-            "expected slerp or step, got 'lerp' (did you mean 'slerp'?)",
-        ),
-        (HEAD + "bodies: {}\npairs: {default: check}", "5:9: pairs: ", "'default' is not supported by this version"),
-        (HEAD + "bodies: {}\npairs: {margins: []}", "5:9: pairs: ", "'margins' is not supported by this version"),
+        ("$schema: 5\n" + HEAD + "bodies: {}", "1:10: ['$schema']: ", "expected text, got 5"),
         (
             HEAD + "bodies: {}\npairs: {ignore: [{between: [a]}]}",
             "5:28: pairs.ignore[0].between: ",

@@ -6,27 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scene_files import HEAD, body, faults
 from scipy.spatial.transform import Rotation
-
-from closecall.formats.scene.errors import SceneError
-from closecall.formats.scene.reader import read_scene
-from closecall.scheduler.scene import Body
-
-HEAD = "closecall: 1\nunits: {length: mm, angle: deg}\ntime: {start: 0, end: 1}\n"
-
-
-def faults(folder: Path, text: str) -> list[str]:
-    path = folder / "scene.yaml"
-    path.write_text(text)
-    with pytest.raises(SceneError) as caught:
-        read_scene(path)
-    return [str(fault).removeprefix(f"{path}:") for fault in caught.value.faults]
-
-
-def body(folder: Path, text: str) -> Body:
-    path = folder / "scene.yaml"
-    path.write_text(f"{HEAD}bodies: {{a: {{{text}}}}}")
-    return read_scene(path).scene.bodies[0]
 
 
 def rotation_of(folder: Path, pose: str) -> np.ndarray:

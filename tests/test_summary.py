@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import random
+from collections.abc import Callable
 from typing import Any, cast
 
 import numpy as np
@@ -26,7 +27,8 @@ from closecall.scheduler.events import (
     Verdict,
     Wakeup,
 )
-from closecall.scheduler.scene import Body, Scene, Settings, pair_id
+from closecall.scheduler.motions import Fixed
+from closecall.scheduler.scene import Body, PairRules, Scene, Settings, Shape, pair_id
 
 FACE = Feature(FeatureKind.FACE, 0, 0, 0)
 ORIGIN = (0.0, 0.0, 0.0)
@@ -40,13 +42,20 @@ def key(a: int, b: int) -> PairKey:
 FIRST, SECOND, THIRD = key(0, 1), key(0, 2), key(1, 2)
 
 
-def builder(pairs_total: int = 3) -> SummaryBuilder:
-    bodies = tuple(Body(name, None, np.eye(4), cast(Any, None), ()) for name in NAMES)
-    return SummaryBuilder(Scene(bodies, 0.0, 10.0, ()), Settings(), pairs_total)
+def builder(
+    pairs_total: int = 3,
+    chord_errors: tuple[float, ...] = (0.0, 0.0, 0.0),
+    keys_around: Callable[[int, float], tuple[str, str]] = lambda body, time: ("", ""),
+) -> SummaryBuilder:
+    bodies = tuple(
+        Body(name, None, np.eye(4), Fixed(), (Shape(cast(Any, None), 0.0, np.eye(4), error),))
+        for name, error in zip(NAMES, chord_errors, strict=True)
+    )
+    return SummaryBuilder(Scene(bodies, 0.0, 10.0, PairRules()), Settings(), pairs_total, keys_around)
 
 
-def folded(*events, pairs_total: int = 3):
-    summary = builder(pairs_total)
+def folded(*events, **options):
+    summary = builder(**options)
     for event in events:
         summary.add(event)
     return summary.summary()
@@ -80,7 +89,9 @@ def test_summary_has_the_contracts_keys_in_its_order():
             "body_b": "hammer",
             "verdict": "clear",
             "distance": {"lower": 0.25, "upper": None, "time": None},
+            "chord_error": 0.0,
             "contacts": [],
+            "breaches": [],
             "unresolved": [],
             "wakeups": 0,
             "queries": {"sphere": 0, "hull": 0, "mesh": 0},
@@ -126,9 +137,9 @@ def test_contacts_are_brackets_in_time_order_whatever_the_order_found():
         collision(FIRST, Phase.BEGIN, 9.0, 9.1),
     ]
     expected = [
-        {"begin": [0.0, 0.0], "end": [1.0, 1.1]},
-        {"begin": [2.0, 2.1], "end": [3.0, 3.1]},
-        {"begin": [9.0, 9.1], "end": None},
+        {"begin": [0.0, 0.0], "end": [1.0, 1.1], "keys": {}},
+        {"begin": [2.0, 2.1], "end": [3.0, 3.1], "keys": {}},
+        {"begin": [9.0, 9.1], "end": None, "keys": {}},
     ]
     for seed in range(20):
         random.Random(seed).shuffle(events)
@@ -136,6 +147,36 @@ def test_contacts_are_brackets_in_time_order_whatever_the_order_found():
         assert summary["pairs"][0]["contacts"] == expected
         assert summary["pairs"][0]["verdict"] == "contact"
         assert summary["totals"]["contacts"] == 3
+
+
+def test_contacts_name_the_keys_that_each_body_is_between_where_they_begin():
+    asked = []
+
+    def keys_around(body: int, time: float) -> tuple[str, str]:
+        asked.append((body, time))
+        return {0: ("home", "reach"), 1: ("", ""), 2: ("", "grip")}[body]
+
+    events = [collision(FIRST, Phase.BEGIN, 2.0, 2.1), collision(THIRD, Phase.BEGIN, 3.0, 3.1)]
+    first, third = folded(*events, keys_around=keys_around)["pairs"]
+    assert first["contacts"][0]["keys"] == {"gear": ["home", "reach"]}
+    assert third["contacts"][0]["keys"] == {"bench": ["", "grip"]}
+    assert asked == [(0, 2.1), (1, 2.1), (1, 3.1), (2, 3.1)]
+
+
+def test_the_upper_distance_of_round_bodies_is_widened_by_both_their_chord_errors():
+    (pair,) = folded(
+        span(FIRST, Verdict.CLEAR, 0.0, 10.0, 0.25), distance(FIRST, 5.0, 0.3), chord_errors=(0.01, 0.02, 0.04)
+    )["pairs"]
+    assert pair["chord_error"] == pytest.approx(0.03)
+    assert pair["distance"] == {"lower": 0.25, "upper": pytest.approx(0.33), "time": 5.0}
+
+
+def test_breaches_are_listed_in_time_order():
+    spans = [span(FIRST, Verdict.BREACH, 5.0, 6.0, 0.01), span(FIRST, Verdict.BREACH, 1.0, 2.0, 0.02)]
+    summary = folded(*spans)
+    assert summary["pairs"][0]["breaches"] == [[1.0, 2.0], [5.0, 6.0]]
+    assert summary["pairs"][0]["unresolved"] == []
+    assert summary["totals"]["pairs"]["breach"] == 1
 
 
 def test_unresolved_spans_are_listed_in_time_order():

@@ -88,9 +88,9 @@ def show(scene: Path, out: Path, *, rate: float = 30.0, viewer: ViewerOptions | 
     """Run a scene into a log with viewer topics, at `rate` Hz."""
     viewer = viewer or ViewerOptions()
     loaded = read_scene(scene, ())
-    pairs = tuple(pairs_that_might_collide(loaded.scene, NarrowPhase(loaded.scene.bodies)))
+    pairs = tuple(pairs_that_might_collide(loaded.scene, NarrowPhase(loaded.scene.bodies), loaded.settings.margin))
     observer = Observer(loaded.scene, pairs, viewer.pairs)
-    events = run(loaded.scene, pairs, loaded.settings)
+    events = run(pairs, loaded.settings)
     snapshots = []
     with LogWriter(out, loaded, loaded.settings, len(pairs), LogOptions(viewer=viewer, **options)) as log:
         for event in observed(events, observer, loaded.scene, rate, loaded.settings.time_resolution):

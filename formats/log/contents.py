@@ -9,14 +9,14 @@ from dataclasses import asdict
 from closecall import __version__
 
 from ...scheduler.scene import Settings
-from ..scene.loaded import LoadedScene, MeshFile
+from ..scene.loaded import InputFile, LoadedScene
 from .errors import LogError
 
 # Metadata records: the first is there from the start, so that an unfinished log tells what it is.
 METADATA_AT_START = "closecall/start"
 METADATA = "closecall"
 
-# Attachments. Mesh files are `mesh/<sha256>`.
+# Attachments. Mesh files are `mesh/<sha256>`, trajectory files `trajectory/<sha256>`.
 SCENE = "scene"
 SETTINGS = "settings.json"
 SUMMARY = "summary.json"
@@ -36,7 +36,13 @@ def identity(loaded: LoadedScene, settings: Settings, pairs_total: int, epoch: i
         "count/bodies": str(len(scene.bodies)),
         "count/pairs": str(pairs_total),
     }
-    return values | {f"mesh/{mesh.name}": mesh.sha256 for mesh in loaded.mesh_files}
+    return values | {f"{kind}/{file.name}": file.sha256 for kind, file in input_files(loaded)}
+
+
+def input_files(loaded: LoadedScene) -> list[tuple[str, InputFile]]:
+    """Return the files that the scene refers to, each with its kind, "mesh" or "trajectory"."""
+    meshes = [("mesh", file) for file in loaded.mesh_files]
+    return meshes + [("trajectory", file) for file in loaded.trajectory_files]
 
 
 def settings_json(settings: Settings) -> str:
@@ -44,22 +50,17 @@ def settings_json(settings: Settings) -> str:
     return json.dumps(asdict(settings), sort_keys=True, allow_nan=False)
 
 
-def mesh_attachment(mesh: MeshFile) -> str:
-    """Return the name under which a mesh file's bytes travel."""
-    return f"mesh/{mesh.sha256}"
-
-
-def mesh_bytes(mesh: MeshFile) -> bytes:
-    """Return the mesh file's bytes, the same that were loaded.
+def input_bytes(file: InputFile) -> bytes:
+    """Return a file's bytes, the same that were loaded.
 
     Raises:
         LogError: when the file has gone or has changed since.
     """
     try:
-        data = mesh.path.read_bytes()
+        data = file.path.read_bytes()
     except OSError as error:
         remedy = "restore it, or run with --no-attach-meshes"
-        raise LogError(mesh.path, f"cannot read: {error.strerror or error}", remedy) from error
-    if hashlib.sha256(data).hexdigest() != mesh.sha256:
-        raise LogError(mesh.path, "changed while the run was starting", "run again")
+        raise LogError(file.path, f"cannot read: {error.strerror or error}", remedy) from error
+    if hashlib.sha256(data).hexdigest() != file.sha256:
+        raise LogError(file.path, "changed while the run was starting", "run again")
     return data

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from ...scheduler.events import (
     Collision,
     ContactKind,
@@ -17,6 +19,7 @@ from ...scheduler.events import (
     Verdict,
     Wakeup,
 )
+from ..scene.loaded import KeyNames
 from . import messages_pb2 as pb
 
 # By name, so that neither side's numbers bind the other's.
@@ -29,10 +32,16 @@ _VERDICTS = {verdict: getattr(pb.Span, verdict.name) for verdict in Verdict}
 
 
 class FactFiller:
-    """Fills messages with facts, of bodies by these names (in document order). Timestamps are left alone."""
+    """Fills messages with facts, of bodies by these names (in document order). Timestamps are left alone.
 
-    def __init__(self, names: tuple[str, ...]) -> None:
+    Args:
+        names: of the bodies.
+        keys: the named keys that bodies move by.
+    """
+
+    def __init__(self, names: tuple[str, ...], keys: Mapping[int, KeyNames]) -> None:
         self._names = names
+        self._keys = keys
 
     def pair_name(self, pair: PairKey) -> str:
         """Return "a|b"."""
@@ -68,6 +77,13 @@ class FactFiller:
         message.shape_a = event.feature_a.shape
         message.shape_b = event.feature_b.shape
         _fill_point(message.point, event.point)
+        message.key_before_a, message.key_after_a = self.keys_around(event.pair.a, event.time)
+        message.key_before_b, message.key_after_b = self.keys_around(event.pair.b, event.time)
+
+    def keys_around(self, body: int, time: float) -> tuple[str, str]:
+        """Return the named keys that a body is between at a time (s), empty for none."""
+        names = self._keys.get(body)
+        return ("", "") if names is None else names.around(time)
 
     def fill_span(self, message: pb.Span, event: Span) -> None:
         """Say what is proved of a pair over an interval."""

@@ -124,7 +124,7 @@ class Distance(_message.Message):
     def __init__(self, timestamp: _Optional[_Union[_timestamp_pb2.Timestamp, _Mapping[str, object]]] = ..., pair: _Optional[str] = ..., pair_id: _Optional[int] = ..., body_a: _Optional[str] = ..., body_b: _Optional[str] = ..., distance: _Optional[float] = ..., witness_a: _Optional[_Union[Point, _Mapping[str, object]]] = ..., witness_b: _Optional[_Union[Point, _Mapping[str, object]]] = ..., feature_a: _Optional[_Union[Feature, _Mapping[str, object]]] = ..., feature_b: _Optional[_Union[Feature, _Mapping[str, object]]] = ...) -> None: ...
 
 class Collision(_message.Message):
-    __slots__ = ("timestamp", "pair", "pair_id", "body_a", "body_b", "phase", "time_clear", "time_touching", "kind", "triangle_a", "triangle_b", "point", "shape_a", "shape_b")
+    __slots__ = ("timestamp", "pair", "pair_id", "body_a", "body_b", "phase", "time_clear", "time_touching", "kind", "triangle_a", "triangle_b", "point", "shape_a", "shape_b", "key_before_a", "key_after_a", "key_before_b", "key_after_b")
     class Phase(_message.Message):
         __slots__ = ()
         class Value(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
@@ -161,6 +161,10 @@ class Collision(_message.Message):
     POINT_FIELD_NUMBER: _ClassVar[int]
     SHAPE_A_FIELD_NUMBER: _ClassVar[int]
     SHAPE_B_FIELD_NUMBER: _ClassVar[int]
+    KEY_BEFORE_A_FIELD_NUMBER: _ClassVar[int]
+    KEY_AFTER_A_FIELD_NUMBER: _ClassVar[int]
+    KEY_BEFORE_B_FIELD_NUMBER: _ClassVar[int]
+    KEY_AFTER_B_FIELD_NUMBER: _ClassVar[int]
     timestamp: _timestamp_pb2.Timestamp
     pair: str
     pair_id: int
@@ -175,7 +179,11 @@ class Collision(_message.Message):
     point: Point
     shape_a: int
     shape_b: int
-    def __init__(self, timestamp: _Optional[_Union[_timestamp_pb2.Timestamp, _Mapping[str, object]]] = ..., pair: _Optional[str] = ..., pair_id: _Optional[int] = ..., body_a: _Optional[str] = ..., body_b: _Optional[str] = ..., phase: _Optional[_Union[Collision.Phase.Value, str]] = ..., time_clear: _Optional[float] = ..., time_touching: _Optional[float] = ..., kind: _Optional[_Union[Collision.Kind.Value, str]] = ..., triangle_a: _Optional[int] = ..., triangle_b: _Optional[int] = ..., point: _Optional[_Union[Point, _Mapping[str, object]]] = ..., shape_a: _Optional[int] = ..., shape_b: _Optional[int] = ...) -> None: ...
+    key_before_a: str
+    key_after_a: str
+    key_before_b: str
+    key_after_b: str
+    def __init__(self, timestamp: _Optional[_Union[_timestamp_pb2.Timestamp, _Mapping[str, object]]] = ..., pair: _Optional[str] = ..., pair_id: _Optional[int] = ..., body_a: _Optional[str] = ..., body_b: _Optional[str] = ..., phase: _Optional[_Union[Collision.Phase.Value, str]] = ..., time_clear: _Optional[float] = ..., time_touching: _Optional[float] = ..., kind: _Optional[_Union[Collision.Kind.Value, str]] = ..., triangle_a: _Optional[int] = ..., triangle_b: _Optional[int] = ..., point: _Optional[_Union[Point, _Mapping[str, object]]] = ..., shape_a: _Optional[int] = ..., shape_b: _Optional[int] = ..., key_before_a: _Optional[str] = ..., key_after_a: _Optional[str] = ..., key_before_b: _Optional[str] = ..., key_after_b: _Optional[str] = ...) -> None: ...
 
 class Span(_message.Message):
     __slots__ = ("timestamp", "pair", "pair_id", "body_a", "body_b", "verdict", "start", "end", "clearance", "depth_limit")

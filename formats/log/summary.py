@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import defaultdict
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from itertools import zip_longest
 from math import inf, isfinite
@@ -32,21 +33,31 @@ class DistanceRange(TypedDict):
 
 
 class Contact(TypedDict):
-    """One contact in s: [clear, touching], and [touching, clear] or None where it stands at the end."""
+    """One contact in s: [clear, touching], and [touching, clear] or None where it stands at the end.
+
+    `keys` names, by body, the named keys that its motion is between where the contact begins.
+    """
 
     begin: list[float]
     end: list[float] | None
+    keys: dict[str, list[str]]
 
 
 class PairSummary(TypedDict):
-    """What the run found of one pair; `queries` counts wakeups by the level that answered them."""
+    """What the run found of one pair.
+
+    `queries` counts wakeups by the level that answered them. Round bodies are measured as polyhedra that enclose them:
+    `chord_error`, m, is how much farther apart the bodies themselves may be; `upper` includes it.
+    """
 
     pair: str
     body_a: str
     body_b: str
     verdict: str
     distance: DistanceRange
+    chord_error: float
     contacts: list[Contact]
+    breaches: list[list[float]]
     unresolved: list[list[float]]
     wakeups: int
     queries: dict[str, int]
@@ -88,8 +99,7 @@ class _PairFindings:
 
     def add_span(self, event: Span) -> None:
         self.rank = min(self.rank, _RANKS[event.verdict])
-        touches = event.verdict in (Verdict.CONTACT, Verdict.UNRESOLVED)
-        certified = not touches and event.clearance > 0  # no for NaN
+        certified = event.verdict is not Verdict.CONTACT and event.clearance > 0  # no for NaN
         self.lower = min(self.lower, event.clearance if certified else 0.0)
 
     def verdict(self) -> str:
@@ -97,12 +107,12 @@ class _PairFindings:
         verdict = SEVERITY[self.rank] if self.rank < len(SEVERITY) else Verdict.UNRESOLVED
         return verdict.name.lower()
 
-    def distance(self) -> DistanceRange:
+    def distance(self, chord_error: float) -> DistanceRange:
         """Return the least distance; 0, which errs low, is the bound where no span gives a better."""
         lower = self.lower if isfinite(self.lower) else 0.0
         if not isfinite(self.upper):
             return {"lower": lower, "upper": None, "time": None}
-        return {"lower": lower, "upper": self.upper, "time": self.upper_time}
+        return {"lower": lower, "upper": self.upper + chord_error, "time": self.upper_time}
 
 
 @dataclass(slots=True)
@@ -118,11 +128,11 @@ class _Brackets:
         else:
             self.ends.append((event.time_touching, event.time_clear))
 
-    def contacts(self) -> list[Contact]:
-        """Return the contacts in time order, in whatever order they were found: begins and ends alternate."""
+    def pairs(self) -> list[tuple[list[float], list[float] | None]]:
+        """Return each contact's begin and end in time order, in whatever order they were found: both alternate."""
         ends = (list(end) for end in sorted(self.ends))
         begins = (list(begin) for begin in sorted(self.begins, key=lambda bracket: bracket[1]))
-        return [{"begin": begin, "end": end} for begin, end in zip_longest(begins, ends) if begin is not None]
+        return [(begin, end) for begin, end in zip_longest(begins, ends) if begin is not None]
 
 
 class SummaryBuilder:
@@ -132,15 +142,25 @@ class SummaryBuilder:
         scene: for the names of the bodies and the time range.
         settings: as resolved for this run.
         pairs_total: how many pairs the rules let be checked, with those that the broad phase clears.
+        keys_around: the named keys that a body is between at a time (s), empty for none.
     """
 
-    def __init__(self, scene: Scene, settings: Settings, pairs_total: int) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        settings: Settings,
+        pairs_total: int,
+        keys_around: Callable[[int, float], tuple[str, str]] = lambda body, time: ("", ""),
+    ) -> None:
         self._names = tuple(body.name for body in scene.bodies)
+        self._chord_errors = tuple(body.chord_error for body in scene.bodies)
+        self._keys_around = keys_around
         self._time = (scene.start, scene.end)
         self._settings = settings
         self._pairs_total = pairs_total
         self._findings: dict[int, _PairFindings] = {}
         self._brackets: defaultdict[int, _Brackets] = defaultdict(_Brackets)
+        self._breaches: defaultdict[int, list[tuple[float, float]]] = defaultdict(list)
         self._unresolved: defaultdict[int, list[tuple[float, float]]] = defaultdict(list)
 
     def add(self, event: Event) -> None:
@@ -163,6 +183,8 @@ class SummaryBuilder:
                 findings.add_span(event)
                 if event.verdict is Verdict.UNRESOLVED:
                     self._unresolved[pair.id].append((event.start, event.end))
+                elif event.verdict is Verdict.BREACH:
+                    self._breaches[pair.id].append((event.start, event.end))
 
     def summary(self) -> Summary:
         """Return the summary of the events so far, its pairs by `pair_id`."""
@@ -179,17 +201,31 @@ class SummaryBuilder:
     def _pair_summary(self, findings: _PairFindings) -> PairSummary:
         key = findings.key
         body_a, body_b = self._names[key.a], self._names[key.b]
+        chord_error = self._chord_errors[key.a] + self._chord_errors[key.b]
         return {
             "pair": f"{body_a}|{body_b}",
             "body_a": body_a,
             "body_b": body_b,
             "verdict": findings.verdict(),
-            "distance": findings.distance(),
-            "contacts": self._brackets[key.id].contacts() if key.id in self._brackets else [],
+            "distance": findings.distance(chord_error),
+            "chord_error": chord_error,
+            "contacts": self._contacts(key),
+            "breaches": [list(span) for span in sorted(self._breaches.get(key.id, ()))],
             "unresolved": [list(span) for span in sorted(self._unresolved.get(key.id, ()))],
             "wakeups": sum(findings.queries),
             "queries": {level.name.lower(): count for level, count in zip(LEVELS, findings.queries, strict=True)},
         }
+
+    def _contacts(self, key: PairKey) -> list[Contact]:
+        brackets = self._brackets.get(key.id)
+        if brackets is None:
+            return []
+        return [{"begin": begin, "end": end, "keys": self._keys(key, begin[1])} for begin, end in brackets.pairs()]
+
+    def _keys(self, key: PairKey, time: float) -> dict[str, list[str]]:
+        """Return the keys around a time (s), for those bodies of a pair that have any."""
+        around = {self._names[body]: list(self._keys_around(body, time)) for body in (key.a, key.b)}
+        return {name: keys for name, keys in around.items() if any(keys)}
 
     def _totals(self, pairs: list[PairSummary]) -> Totals:
         verdicts = {verdict.name.lower(): 0 for verdict in SEVERITY}

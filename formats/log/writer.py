@@ -15,7 +15,7 @@ from foxglove_schemas_protobuf.Log_pb2 import Log
 
 from closecall import __version__
 
-from ...scheduler.events import Collision, Distance, Event, Phase, Snapshot, Span, Wakeup
+from ...scheduler.events import Collision, Distance, Event, Phase, Snapshot, Span, Verdict, Wakeup
 from ...scheduler.scene import Settings
 from ..scene.loaded import LoadedScene
 from . import messages_pb2 as pb
@@ -29,8 +29,8 @@ from .contents import (
     SETTINGS,
     SUMMARY,
     identity,
-    mesh_attachment,
-    mesh_bytes,
+    input_bytes,
+    input_files,
     settings_json,
 )
 from .errors import LogError
@@ -92,7 +92,7 @@ class LogWriter:
     def __init__(
         self, path: Path, loaded: LoadedScene, settings: Settings, pairs_total: int, options: LogOptions
     ) -> None:
-        self._output = _output(path, [loaded.path, *(mesh.path for mesh in loaded.mesh_files)])
+        self._output = _output(path, [loaded.path, *(file.path for _, file in input_files(loaded))])
         self._loaded = loaded
         self._settings = settings
         self._pairs_total = pairs_total
@@ -102,8 +102,8 @@ class LogWriter:
         self._require_times()
         self._require_topics()
         self._identity = identity(loaded, settings, pairs_total, options.epoch)
-        self._summary = SummaryBuilder(loaded.scene, settings, pairs_total)
-        self._filler = FactFiller(tuple(body.name for body in loaded.scene.bodies))
+        self._filler = FactFiller(tuple(body.name for body in loaded.scene.bodies), loaded.key_names)
+        self._summary = SummaryBuilder(loaded.scene, settings, pairs_total, self._filler.keys_around)
         wakeup, distance, collision, span, log = pb.Wakeup(), pb.Distance(), pb.Collision(), pb.Span(), Log()
         log.name = "closecall"
         self._wakeups = Topic("/wakeups", wakeup, wakeup.timestamp)
@@ -162,6 +162,10 @@ class LogWriter:
             case Span():
                 self._filler.fill_span(self._spans.message, event)
                 self._add(self._spans, event.time)
+                if event.verdict is Verdict.BREACH:
+                    between = f"from {event.start!r} s to {event.end!r} s"
+                    pair = self._filler.pair_name(event.pair)
+                    self._tell(Log.WARNING, f"{pair}: nearer than its margin {between}", event.time)
             case Snapshot():
                 if self._viewer is not None:
                     log_time = self._log_time(event.time)
@@ -229,11 +233,18 @@ class LogWriter:
     def _tell_collision(self, event: Collision) -> None:
         pair = self._filler.pair_name(event.pair)
         bracket = f"(touching at {event.time_touching!r} s, clear at {event.time_clear!r} s)"
+        for body in (event.pair.a, event.pair.b):
+            bracket += self._keys_told(body, event.time)
         if event.phase is Phase.BEGIN:
             # The level that stands out in a viewer's log panel, and is left alone by its filter.
             self._tell(Log.ERROR, f"{pair}: contact begins {bracket}", event.time)
         else:
             self._tell(Log.INFO, f"{pair}: contact ends {bracket}", event.time)
+
+    def _keys_told(self, body: int, time: float) -> str:
+        before, after = self._filler.keys_around(body, time)
+        told = [f"after {before!r}"] * bool(before) + [f"before {after!r}"] * bool(after)
+        return f", {self._loaded.scene.bodies[body].name} {' and '.join(told)}" if told else ""
 
     def _write_inputs(self) -> None:
         self._chunks.add_metadata(METADATA_AT_START, self._identity)
@@ -242,9 +253,9 @@ class LogWriter:
         settings = settings_json(self._settings).encode()
         self._chunks.add_attachment(SETTINGS, "application/json", settings, self._start)
         if self._options.attach_meshes:
-            for mesh in {mesh.sha256: mesh for mesh in self._loaded.mesh_files}.values():
-                kind = "application/octet-stream"
-                self._chunks.add_attachment(mesh_attachment(mesh), kind, mesh_bytes(mesh), self._start)
+            files = {f"{kind}/{file.sha256}": file for kind, file in input_files(self._loaded)}
+            for name, file in files.items():
+                self._chunks.add_attachment(name, "application/octet-stream", input_bytes(file), self._start)
         self._chunks.flush()
 
     def _write_opening(self) -> None:
@@ -259,9 +270,8 @@ class LogWriter:
             self.warn(warning)
         if self._viewer is not None:
             self._show(self._viewer.opening(self._start), self._start)
-            if self._viewer.boxed:
-                drawn = f"{self._viewer.boxed} bodies are drawn as boxes"
-                self._tell(Log.INFO, f"{drawn}: --viz-triangles is too low to show all", scene.start)
+            for remark in self._viewer.remarks:
+                self._tell(Log.INFO, remark, scene.start)
 
     def _write_closing(self) -> None:
         summary = self._summary.summary()

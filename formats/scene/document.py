@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import NoReturn
 
-from .errors import Fault, SceneError, Where, place_text
+from .errors import Fault, SceneError, Where, place_text, suggestion
 
 Value = str | int | float | bool | dict[str, "Value"] | tuple["Value", ...]
 """What a document holds: lists are tuples, and nothing is null."""
 
 NULL = "nothing is written here, give a value ({} for an empty mapping) or leave the key out"
+
+MOST_COMPARISONS = 30_000
+"""Names compared for suggestions in one reading, about a second's work. Thousands of faults are told without."""
 
 Position = tuple[int, int]
 """Line and column, both from 1."""
@@ -51,6 +54,7 @@ class Findings:
         self.document = document
         self.faults: list[Fault] = []
         self.warnings: list[Fault] = []
+        self._comparisons_left = MOST_COMPARISONS
 
     def fault(self, where: Where, message: str) -> None:
         """Record that the value at `where` is wrong."""
@@ -64,6 +68,11 @@ class Findings:
     def warn(self, where: Where, message: str) -> None:
         """Record that the value at `where` is doubtful."""
         self.warnings.append(self._located(self.document.value_position(where), where, message))
+
+    def suggestion(self, name: str, candidates: Collection[str]) -> str:
+        """Return ` (did you mean 'x'?)` for the nearest of the names that there are, while there is time to look."""
+        self._comparisons_left -= len(candidates)
+        return suggestion(name, candidates) if self._comparisons_left >= 0 else ""
 
     def stop_if_faulty(self) -> None:
         """Raise SceneError if any fault was found."""

@@ -39,6 +39,11 @@ class Fault:
         return f"{printable(self.file)}:{self.line}:{self.column}: {self.place}: {self.message}"
 
 
+def whole_file(file: object, message: str) -> Fault:
+    """Return a fault of a scene file as a whole."""
+    return Fault(str(file), 1, 1, place_text(()), message)
+
+
 class SceneError(Exception):
     """A scene file that cannot be read; its text is one line a fault, in the order of the file."""
 

@@ -35,3 +35,15 @@ WIDE_TURN = 150.0
 
 FAN_TOLERANCE = 1e-9
 """Of a polygon's squared area: how far a triangle of a fan may turn against it before the fan does not fit."""
+
+PERPENDICULAR_TOLERANCE = 1e-6
+"""How far the cosine between an orbit's axis and start may be from 0. Within it the rest is projected out."""
+
+UNLIKELY_RATIO = 500.0
+"""Bodies that differ in size by more are warned of: one of them may be in another unit."""
+
+COARSE_PLACE = 1e6
+"""A body farther from the origin than this many times its smallest shape is warned of: floats are coarse there."""
+
+FARTHEST_PLACE = 1e30
+"""m. A motion whose terms may add up to more is refused: no distance could be told, and far beyond none is finite."""

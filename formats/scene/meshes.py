@@ -3,25 +3,47 @@
 from __future__ import annotations
 
 import hashlib
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path, PurePosixPath, PureWindowsPath
+from pathlib import Path
 
 import numpy as np
 
 from ...scheduler.scene import Mesh
-from .errors import printable
-from .grammar import MeshReference
+from .errors import printable, quoted
+from .folder import Folder, FolderError
+from .grammar.scene import MeshReference
 from .limits import LARGEST_NUMBER, SMALLEST_NUMBER
 from .obj import read_obj
-from .shapes import frozen_mesh
+from .off import read_off
+from .ply import read_ply
+from .shapes import frozen_mesh, scaled_mesh
 from .stl import read_stl
 from .surface import MeshError, Surface, Topology, topology, used_only
 from .units import metres_of
 
-_READERS = {".obj": read_obj, ".stl": read_stl}
-_URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:")
+
+def _read_3mf(data: bytes) -> Surface:
+    from .threemf import read_3mf  # late: few scenes need an archive and an XML parser
+
+    return read_3mf(data)
+
+
+def _read_glb(data: bytes) -> Surface:
+    from .glb import read_glb  # late: its schema takes as long to build as a scene's
+
+    return read_glb(data)
+
+
+_READERS = {
+    ".3mf": _read_3mf,
+    ".glb": _read_glb,
+    ".obj": read_obj,
+    ".off": read_off,
+    ".ply": read_ply,
+    ".stl": read_stl,
+}
+_SUFFIXES = ", ".join(list(_READERS)[:-1]) + f" or {list(_READERS)[-1]}"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,10 +77,10 @@ class MeshFolder:
 
     def __init__(self, folder: Path, roots: Sequence[Path]) -> None:
         """Take the scene file's folder, and other folders in which meshes may lie."""
-        self._folder = folder
-        self._roots = tuple(roots)
+        self._folder = Folder(folder, roots)
         self._contents: dict[Path, _Content | MeshError] = {}
         self._meshes: dict[tuple[Path, str, str], Mesh] = {}
+        self._scaled: dict[tuple[Mesh, tuple[float, float, float]], Mesh] = {}
 
     def load(self, name: str, reference: MeshReference) -> LoadedMesh:
         """Return the mesh of a reference, one and the same for equal files, units and axes.
@@ -70,7 +92,10 @@ class MeshFolder:
         Raises:
             MeshError: the file may not be read, cannot be read, or is no mesh; the message names it.
         """
-        path = self._found(reference.file)
+        try:
+            path = self._folder.found(reference.file)
+        except FolderError as error:
+            raise MeshError(error.message) from error
         content = self._contents.get(path)
         if content is None:
             content = self._contents[path] = _content(path)
@@ -83,31 +108,19 @@ class MeshFolder:
         warnings = tuple(f"{printable(reference.file)} {text}" for text in _warnings(content))
         return LoadedMesh(self._meshes[key], path, content.sha256, warnings)
 
-    def _found(self, file: str) -> Path:
-        """Return where the file lies, if the scene may refer to it."""
-        shown = printable(file)
-        if _URL.match(file):
-            raise MeshError(f"{shown} is a URL, expected a file relative to the scene")
-        try:
-            path = (self._folder / file).resolve()
-            roots = [root.resolve() for root in self._roots]
-            folder = self._folder.resolve()
-        except (OSError, RuntimeError, ValueError) as error:
-            raise MeshError(f"{shown} is no path: {printable(str(error))}") from error
-        if any(path.is_relative_to(root) for root in roots):
-            return path
-        if PurePosixPath(file).is_absolute() or PureWindowsPath(file).anchor:
-            raise MeshError(f"{shown} is absolute, expected a path relative to the scene, or name its root")
-        if not path.is_relative_to(folder):
-            raise MeshError(f"{shown} lies outside the scene's folder, move it inside or name its root")
-        return path
+    def scaled(self, mesh: Mesh, scale: tuple[float, float, float]) -> Mesh:
+        """Return the mesh with its x, y, z (in metres and z up) times positive factors, the same one for equal ones."""
+        key = mesh, scale
+        if key not in self._scaled:
+            self._scaled[key] = scaled_mesh(mesh, scale)
+        return self._scaled[key]
 
 
 def _content(path: Path) -> _Content | MeshError:
     reader = _READERS.get(path.suffix.lower())
     if reader is None:
         kind = printable(path.suffix) or "files without suffix"
-        return MeshError(f"{kind} is not supported by this version, expected .obj or .stl")
+        return MeshError(f"{kind} is not supported by this version, expected {_SUFFIXES}")
     try:
         if path.exists() and not path.is_file():
             return MeshError("expected a file")
@@ -123,6 +136,10 @@ def _content(path: Path) -> _Content | MeshError:
 
 
 def _mesh(name: str, reference: MeshReference, content: _Content) -> Mesh:
+    stated = content.surface.unit
+    if stated not in (None, reference.units):
+        file = printable(reference.file)
+        raise MeshError(f"{file}: the file's own unit is {quoted(stated)}, the scene says {quoted(reference.units)}")
     vertices, triangles = used_only(content.surface.vertices, content.surface.triangles)
     if np.abs(vertices).max() > LARGEST_NUMBER:
         raise MeshError(f"{printable(reference.file)}: expected coordinates up to {LARGEST_NUMBER:g}")

@@ -1,121 +1,160 @@
-"""Motions as written to the scheduler's motions: SI units, unit axes, keys in order."""
+"""Motions as written to the scheduler's motions: SI units, unit axes, their own time made the scene's."""
 
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 
-import numpy as np
-
-from ...scheduler.motions import Ballistic, Constant, Fixed, Harmonic, Keyframes, Motion, Screw, Swing
-from ...scheduler.scene import FloatArray
+from ...scheduler.motions import (
+    Ballistic,
+    Constant,
+    Delayed,
+    Fixed,
+    Harmonic,
+    Motion,
+    Orbit,
+    Polynomial,
+    Profile,
+    Screw,
+    Swing,
+)
+from ...scheduler.scene import Interval, least_duration
 from .document import Findings
-from .errors import Where, quoted
-from .grammar import (
+from .errors import Where
+from .folder import Folder
+from .grammar.motions import (
     BallisticMotion,
     ConstantMotion,
+    FileMotion,
     HarmonicMotion,
-    Key,
     KeyframesMotion,
     MotionChoice,
+    OrbitMotion,
+    PolynomialMotion,
+    ProfileMotion,
     ScrewMotion,
     SwingMotion,
-    TimeRange,
 )
-from .limits import AMBIGUOUS_TURN, WIDE_TURN
-from .poses import placement, unit_vector
+from .limits import FARTHEST_PLACE, PERPENDICULAR_TOLERANCE
+from .loaded import InputFile, KeyNames
+from .paths import PathReader
+from .poses import Vector, unit_vector
 from .units import Scale
 
+SmoothMotion = (
+    ConstantMotion | BallisticMotion | ScrewMotion | OrbitMotion | HarmonicMotion | SwingMotion | PolynomialMotion
+)
 
-def motion(part: MotionChoice | None, where: Where, time: TimeRange, scale: Scale, findings: Findings) -> Motion:
-    """Return the motion in SI; faults are recorded, and a motion with one may come back as Fixed.
 
-    Args:
-        part: as the grammar read it; None is a body without motion.
-        where: its place in the scene.
-        time: what keyframes must cover, s.
-        scale: the file's units.
-        findings: takes the faults.
+class MotionReader:
+    """The motions of one scene.
+
+    Attributes:
+        paths: of keyframes and files.
     """
-    match part:
-        case ConstantMotion():
-            return Constant(scale.lengths(part.velocity), scale.angles(part.angular_velocity))
-        case BallisticMotion():
-            return Ballistic(
-                scale.lengths(part.velocity),
-                scale.lengths(part.acceleration),
-                scale.angles(part.angular_velocity),
-            )
-        case ScrewMotion():
-            axis = unit_vector(part.axis, (*where, "axis"), findings)
-            return Screw(axis, scale.lengths(part.point), scale.angle(part.rate), scale.length(part.pitch))
-        case HarmonicMotion():
-            direction = unit_vector(part.direction, (*where, "direction"), findings)
-            return Harmonic(direction, scale.length(part.amplitude), part.period, scale.angle(part.phase))
-        case SwingMotion():
-            axis = unit_vector(part.axis, (*where, "axis"), findings)
-            point, amplitude = scale.lengths(part.point), scale.angle(part.amplitude)
-            return Swing(axis, point, amplitude, part.period, scale.angle(part.phase))
-        case KeyframesMotion():
-            return _keyframes(part, where, time, scale, findings)
-        case None:
-            return Fixed()
 
+    def __init__(self, folder: Folder, scale: Scale, findings: Findings, time: Interval) -> None:
+        """Take where trajectory files may lie, the file's units, what takes the faults, and the scene's time."""
+        self.paths = PathReader(folder, scale, findings, least_duration(*time))
+        self._latest = max(map(abs, time))
+        self._scale = scale
+        self._findings = findings
 
-def _keyframes(part: KeyframesMotion, where: Where, time: TimeRange, scale: Scale, findings: Findings) -> Motion:
-    keys = (*where, "keys")
-    faults_before = len(findings.faults)
-    _check_order(part.keys, keys, findings)
-    if len(findings.faults) == faults_before:
-        _check_cover(part.keys, keys, time, findings)
-    placements = [placement(key, (*keys, i), scale, findings) for i, key in enumerate(part.keys)]
-    if len(findings.faults) > faults_before:
-        return Fixed()
-    quaternions = np.array([place.quaternion for place in placements])
-    step_rotation = part.interpolation.rotation == "step"
-    if not step_rotation:
-        _warn_of_wide_turns(quaternions, keys, findings)
-    return Keyframes(
-        times=_read_only(np.array([key.t for key in part.keys])),
-        translations=_read_only(np.array([place.translation for place in placements])),
-        quaternions=_read_only(quaternions),
-        step_translation=part.interpolation.translation == "step",
-        step_rotation=step_rotation,
-    )
+    @property
+    def files(self) -> tuple[InputFile, ...]:
+        """The trajectory files read so far, by the body that moves so."""
+        return tuple(self.paths.files)
 
+    @property
+    def key_names(self) -> dict[str, KeyNames]:
+        """The named keys read so far, by the body that moves by them."""
+        return self.paths.key_names
 
-def _check_order(keys: tuple[Key, ...], where: Where, findings: Findings) -> None:
-    for i, (before, after) in enumerate(pairwise(keys), start=1):
-        if after.t == before.t:
-            findings.fault((*where, i, "t"), f"two keys at {quoted(after.t)} s, expected one pose at a time")
-        elif after.t < before.t:
-            problem = f"expected a time after the key before it ({quoted(before.t)} s), got {quoted(after.t)} s"
-            findings.fault((*where, i, "t"), problem)
+    def motion(self, part: MotionChoice | None, body: str, needed: Interval) -> Motion:
+        """Return a body's motion in SI; faults are recorded, and a motion with one may come back as Fixed.
 
+        Args:
+            part: as the grammar read it; None is a body without motion.
+            body: its name, as written.
+            needed: s, when its frame must be known.
+        """
+        where: Where = ("bodies", body, "motion")
+        motion = self._motion(part, body, where, needed)
+        farthest = motion.extent(self._latest)
+        if not farthest <= FARTHEST_PLACE:
+            problem = f"the motion's terms add up to {farthest:.2g} m within the scene's time"
+            self._findings.fault(where, f"{problem}, expected at most {FARTHEST_PLACE:g} m")
+        return motion
 
-def _check_cover(keys: tuple[Key, ...], where: Where, time: TimeRange, findings: Findings) -> None:
-    first, last = keys[0].t, keys[-1].t
-    if first > time.start:
-        problem = f"expected the first key at the time range's start ({quoted(time.start)} s) or before"
-        findings.fault((*where, 0, "t"), f"{problem}, got {quoted(first)} s")
-    if last < time.end:
-        problem = f"expected the last key at the time range's end ({quoted(time.end)} s) or after"
-        findings.fault((*where, len(keys) - 1, "t"), f"{problem}, got {quoted(last)} s")
+    def _motion(self, part: MotionChoice | None, body: str, where: Where, needed: Interval) -> Motion:
+        match part:
+            case None:
+                return Fixed()
+            case KeyframesMotion():
+                return self.paths.keyframes(part, body, needed)
+            case FileMotion():
+                return self.paths.trajectory(part, body, needed)
+            case ProfileMotion():
+                return self._profile(part, where)
+            case _:
+                motion = self._smooth(part, where)
+                return motion if part.t0 == 0.0 else Delayed(motion, part.t0)
 
+    def _smooth(
+        self,
+        part: SmoothMotion,
+        where: Where,
+    ) -> Motion:
+        scale = self._scale
+        match part:
+            case ConstantMotion():
+                return Constant(scale.lengths(part.velocity), scale.angles(part.angular_velocity))
+            case BallisticMotion():
+                velocity, acceleration = scale.lengths(part.velocity), scale.lengths(part.acceleration)
+                return Ballistic(velocity, acceleration, scale.angles(part.angular_velocity))
+            case ScrewMotion():
+                axis = self._unit(part.axis, (*where, "axis"))
+                return Screw(axis, scale.lengths(part.point), scale.angle(part.rate), scale.length(part.pitch))
+            case OrbitMotion():
+                return self._orbit(part, where)
+            case HarmonicMotion():
+                direction = self._unit(part.direction, (*where, "direction"))
+                return Harmonic(direction, scale.length(part.amplitude), part.period, scale.angle(part.phase))
+            case SwingMotion():
+                axis, point = self._unit(part.axis, (*where, "axis")), scale.lengths(part.point)
+                return Swing(axis, point, scale.angle(part.amplitude), part.period, scale.angle(part.phase))
+            case PolynomialMotion():
+                coefficients = tuple(scale.lengths(one) for one in part.coefficients)
+                return Polynomial(coefficients, scale.angles(part.angular_velocity))
 
-def _warn_of_wide_turns(quaternions: FloatArray, where: Where, findings: Findings) -> None:
-    """Warn where slerp's way between two keys may not be the one that was meant."""
-    one, other = quaternions[:-1], quaternions[1:]
-    near, far = np.linalg.norm(other - one, axis=1), np.linalg.norm(other + one, axis=1)
-    angles = 4.0 * np.arctan2(np.minimum(near, far), np.maximum(near, far))
-    for i in np.flatnonzero(angles > math.radians(WIDE_TURN)):
-        between = f"keys {i} and {i + 1} are {math.degrees(angles[i]):.1f} degrees apart"
-        if angles[i] > math.pi - AMBIGUOUS_TURN:
-            findings.warn((*where, int(i) + 1), f"{between}: which way round is ambiguous, add a key between")
-        else:
-            findings.warn((*where, int(i) + 1), f"{between}: the shorter way is taken, is a key missing?")
+    def _orbit(self, part: OrbitMotion, where: Where) -> Orbit:
+        axis, start = self._unit(part.axis, (*where, "axis")), self._unit(part.start, (*where, "start"))
+        along = sum(a * s for a, s in zip(axis, start, strict=True))
+        if abs(along) > PERPENDICULAR_TOLERANCE:
+            angle = math.degrees(math.acos(max(-1.0, min(1.0, along))))
+            problem = f"expected a direction perpendicular to the axis, got one at {angle:.6g} degrees to it"
+            self._findings.fault((*where, "start"), problem)
+            return Orbit(axis, start, 1.0, 0.0, 0.0, False)
+        x, y, z = (s - along * a for a, s in zip(axis, start, strict=True))
+        length = math.hypot(x, y, z)
+        radius, rate = self._scale.length(part.radius), self._scale.angle(part.rate)
+        start = (x / length, y / length, z / length)
+        return Orbit(axis, start, radius, rate, self._scale.angle(part.phase), part.facing)
 
+    def _profile(self, part: ProfileMotion, where: Where) -> Motion:
+        turns = part.kind == "turn"
+        scaled = self._scale.angle if turns else self._scale.length
+        if not turns and "point" in part.model_fields_set:
+            self._findings.fault((*where, "point"), "a slide has no point, leave the key out (or is it a turn?)")
+        return Profile(
+            turns,
+            self._unit(part.axis, (*where, "axis")),
+            self._scale.lengths(part.point),
+            scaled(part.begin),
+            scaled(part.end),
+            scaled(part.max_velocity),
+            scaled(part.max_acceleration),
+            part.t0,
+        )
 
-def _read_only(array: FloatArray) -> FloatArray:
-    array.flags.writeable = False
-    return array
+    def _unit(self, vector: Vector, where: Where) -> Vector:
+        return unit_vector(vector, where, self._findings)

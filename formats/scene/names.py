@@ -9,8 +9,8 @@ from functools import lru_cache
 from re import Pattern, compile
 
 from .document import Findings
-from .errors import Where, quoted, suggestion
-from .grammar import BodyPart
+from .errors import Where, quoted
+from .grammar.scene import BodyPart
 
 WORLD = "world"
 _FORBIDDEN = frozenset("\"'/*?[]|")
@@ -82,7 +82,7 @@ class Bodies:
         """Return the index of the body called `name`; None, and a fault, if there is none."""
         found = self.indices.get(normal(name))
         if found is None:
-            near = suggestion(name, self.indices)
+            near = self._findings.suggestion(name, self.indices)
             hint = ", leave the key out for a body in the world" if name == WORLD else near
             self._findings.fault(where, f"unknown body {quoted(name)}{hint}")
         return found
@@ -95,7 +95,7 @@ class Bodies:
         if key in self._groups:
             return frozenset(self._groups[key])
         if _GLOB.isdisjoint(key):
-            near = suggestion(pattern, (*self.indices, *self._groups))
+            near = self._findings.suggestion(pattern, (*self.indices, *self._groups))
             self._findings.fault(where, f"unknown body or group {quoted(pattern)}{near}")
             return frozenset()
         expression = _compiled(key)

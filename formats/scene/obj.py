@@ -16,7 +16,7 @@ import numpy as np
 
 from ...scheduler.scene import FloatArray, IntArray
 from .errors import quoted
-from .polygons import triangulated
+from .polygons import first_stray, polygon_surface
 from .surface import MeshError, Surface
 
 _UNSEEN = {b"l": "lines", b"p": "points", b"curv": "curves", b"curv2": "curves", b"surf": "surfaces"}
@@ -85,7 +85,7 @@ class _Faces:
             raise MeshError(f"expected a face with at least 3 corners, got {len(words)}", line)
         count = len(self._coordinates) // 3
         for word in words:
-            index = _index(word.partition(b"/")[0], line)
+            index = vertex_index(word.partition(b"/")[0], line)
             if index == 0 or index < -count:
                 raise MeshError(f"the face refers to vertex {index}, expected 1 to {count} or -{count} to -1", line)
             self._corners.append(index - 1 if index > 0 else count + index)
@@ -100,22 +100,15 @@ class _Faces:
         corners: IntArray = np.array(self._corners, dtype=np.int64)
         sizes: IntArray = np.array(self._sizes, dtype=np.int64)
         self._refuse_forward(corners, sizes, len(vertices))
-        triangles, folded = triangulated(vertices, corners, sizes)
-        warnings = []
-        if self.unseen:
-            warnings.append(f"holds {' and '.join(sorted(self.unseen))}, which are left out")
-        if folded:
-            text = "polygons that no fan of triangles fits: what is checked covers more than they do"
-            warnings.append(f"holds {folded} {text}")
-        return Surface(vertices, triangles, tuple(warnings))
+        warnings = [f"holds {' and '.join(sorted(self.unseen))}, which are left out"] if self.unseen else []
+        return polygon_surface(vertices, corners, sizes, warnings)
 
     def _refuse_forward(self, corners: IntArray, sizes: IntArray, count: int) -> None:
         """Refuse a face that refers to a vertex the whole file does not have."""
-        beyond = np.flatnonzero(corners >= count)
-        if len(beyond):
-            face = int(np.searchsorted(np.cumsum(sizes), beyond[0], side="right"))
-            index = int(corners[beyond[0]]) + 1
-            raise MeshError(f"the face refers to vertex {index}, the file has {count}", self._lines[face])
+        stray = first_stray(corners, sizes, count)
+        if stray is not None:
+            face, corner = stray
+            raise MeshError(f"the face refers to vertex {corner + 1}, the file has {count}", self._lines[face])
 
 
 def coordinate(word: bytes, line: int) -> float:
@@ -133,7 +126,12 @@ def coordinate(word: bytes, line: int) -> float:
     return value
 
 
-def _index(word: bytes, line: int) -> int:
+def vertex_index(word: bytes, line: int) -> int:
+    """Return the integer spelt by `word`, within 64 bits.
+
+    Raises:
+        MeshError: it is none.
+    """
     try:
         value = int(word)
     except ValueError:

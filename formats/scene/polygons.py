@@ -2,10 +2,56 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ...scheduler.scene import FloatArray, IntArray
 from .limits import FAN_TOLERANCE
+from .surface import MeshError, Surface
+
+_MOST_STARTS = 256
+"""Corners from which a fan is tried. A polygon of more that is hollow seldom has one, and a million would not end."""
+
+
+def polygon_surface(vertices: FloatArray, corners: IntArray, sizes: IntArray, warnings: Sequence[str]) -> Surface:
+    """Return the surface of polygons, with one more warning if no fan of triangles fits some; see `triangulated`."""
+    triangles, folded = triangulated(vertices, corners, sizes)
+    text = f"holds {folded} polygons that no fan of triangles fits: what is checked covers more than they do"
+    return Surface(vertices, triangles, (*warnings, text) if folded else tuple(warnings))
+
+
+def refuse_unfit(corners: IntArray, sizes: IntArray, lines: Sequence[int], count: int) -> None:
+    """Refuse polygons that are none, or have a corner beyond the file's vertices, which count from 0.
+
+    Args:
+        corners: of polygon after polygon.
+        sizes: corners of each polygon.
+        lines: of each polygon, empty if the file has none.
+        count: of the file's vertices.
+
+    Raises:
+        MeshError: with the first such polygon's line.
+    """
+    small = np.flatnonzero(sizes < 3)
+    if len(small):
+        face = int(small[0])
+        message = f"expected at least 3 corners, face {face + 1} of {len(sizes)} has {sizes[face]}"
+        raise MeshError(message, *lines[face : face + 1])
+    stray = first_stray(corners, sizes, count)
+    if stray is not None:
+        face, corner = stray
+        expected = f"expected 0 to {count - 1}" if count else "the file has none"
+        message = f"face {face + 1} of {len(sizes)} refers to vertex {corner}, {expected}"
+        raise MeshError(message, *lines[face : face + 1])
+
+
+def first_stray(corners: IntArray, sizes: IntArray, count: int) -> tuple[int, int] | None:
+    """Return the first polygon with a corner outside 0 ... count - 1, and that corner; None if there is none."""
+    strays = np.flatnonzero((corners < 0) | (corners >= count))
+    if not len(strays):
+        return None
+    return int(np.searchsorted(np.cumsum(sizes), strays[0], side="right")), int(corners[strays[0]])
 
 
 def triangulated(vertices: FloatArray, corners: IntArray, sizes: IntArray) -> tuple[IntArray, int]:
@@ -29,7 +75,8 @@ def triangulated(vertices: FloatArray, corners: IntArray, sizes: IntArray) -> tu
     for size in np.unique(sizes):
         chosen = np.flatnonzero(sizes == size)
         polygons = corners[starts[chosen][:, None] + np.arange(size)]
-        fanned, misfits = _fans(vertices, polygons)
+        with np.errstate(all="ignore"):  # coordinates whose products overflow are refused where the mesh is used
+            fanned, misfits = _fans(vertices, polygons)
         triangles[firsts[chosen][:, None] + np.arange(size - 2)] = fanned
         folded += misfits
     return triangles, folded
@@ -41,12 +88,12 @@ def _fans(vertices: FloatArray, polygons: IntArray) -> tuple[IntArray, int]:
     if polygons.shape[1] == 3:
         return best, 0
     normals = _normals(vertices, best).sum(axis=1)
+    squares = np.einsum("kj,kj->k", normals, normals)
     misfits = np.arange(len(polygons))
-    for start in range(polygons.shape[1]):
+    for start in range(min(polygons.shape[1], _MOST_STARTS)):
         fans = _fan(np.roll(polygons[misfits], -start, axis=1))
         turns = np.einsum("kij,kj->ki", _normals(vertices, fans), normals[misfits])
-        squares = np.einsum("kj,kj->k", normals[misfits], normals[misfits])
-        fits = (turns >= -FAN_TOLERANCE * squares[:, None]).all(axis=1)
+        fits = (turns >= -FAN_TOLERANCE * squares[misfits, None]).all(axis=1)
         best[misfits[fits]] = fans[fits]
         misfits = misfits[~fits]
         if not len(misfits):

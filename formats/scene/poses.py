@@ -11,7 +11,7 @@ from ...scheduler.rotation import rotation_of_quaternion
 from ...scheduler.scene import FloatArray
 from .document import Findings
 from .errors import Where, quoted
-from .grammar import Pose
+from .grammar.poses import Pose
 from .limits import MATRIX_TOLERANCE, QUATERNION_TOLERANCE
 from .units import Scale
 

@@ -1,4 +1,4 @@
-"""The meshes of boxes, spheres and capsules: a core of triangles, to be rounded by a radius."""
+"""The meshes of boxes, spheres and capsules: a core of triangles, to be rounded by a radius. And meshes scaled."""
 
 from __future__ import annotations
 
@@ -37,6 +37,18 @@ def segment_mesh(length: float) -> Mesh:
     """Return the core of a capsule: `length` m along z about the origin, a triangle with two equal corners."""
     ends = np.array(((0.0, 0.0, -length / 2), (0.0, 0.0, length / 2)))
     return frozen_mesh(f"segment {length:g} m", ends, ((0, 1, 1),), solid=False)
+
+
+def scaled_mesh(mesh: Mesh, scale: tuple[float, float, float]) -> Mesh:
+    """Return the mesh with its x, y, z times these positive factors, its triangles shared with it; itself at 1, 1, 1.
+
+    Called anew it makes a new mesh: `MeshFolder.scaled` keeps one of each.
+    """
+    if scale == (1.0, 1.0, 1.0):
+        return mesh
+    vertices = mesh.vertices * scale
+    vertices.flags.writeable = False
+    return Mesh(mesh.name, vertices, mesh.triangles, mesh.solid)
 
 
 def frozen_mesh(

@@ -6,24 +6,23 @@ from pathlib import Path
 
 from .document import Document, refuse
 from .json_document import read_json
-from .limits import LARGEST_DOCUMENT
 from .yaml_document import read_yaml
 
 
-def read_bytes(path: Path) -> bytes:
+def read_bytes(path: Path, most: int) -> bytes:
     """Return the bytes of a scene file.
 
     Raises:
-        SceneError: it is missing, unreadable or larger than LARGEST_DOCUMENT.
+        SceneError: it is missing, unreadable or larger than `most` bytes.
     """
     try:
         with path.open("rb") as file:
-            data = file.read(LARGEST_DOCUMENT + 1)
+            data = file.read(most + 1)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         refuse(str(path), (1, 1), (), f"the file cannot be read: {reason}")
-    if len(data) > LARGEST_DOCUMENT:
-        refuse(str(path), (1, 1), (), f"the file is larger than {LARGEST_DOCUMENT // 2**20} MiB")
+    if len(data) > most:
+        refuse(str(path), (1, 1), (), f"the file is larger than {most} bytes, split it or allow more with --max-bytes")
     return data
 
 

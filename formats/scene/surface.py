@@ -23,14 +23,16 @@ class Surface:
     """What a mesh file holds.
 
     Attributes:
-        vertices: (n, 3) finite, in the file's unit and axes, every one of them used.
+        vertices: (n, 3) finite, in the file's unit and axes.
         triangles: (m, 3) indices of vertices, in the file's order, m >= 1.
         warnings: what was doubtful in the file.
+        unit: the unit of length that the file itself states, m, cm, mm, in, ft or micron; None if it states none.
     """
 
     vertices: FloatArray
     triangles: IntArray
     warnings: tuple[str, ...]
+    unit: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +78,8 @@ def topology(vertices: FloatArray, triangles: IntArray) -> Topology:
 
 def _count_flat(vertices: FloatArray, triangles: IntArray) -> int:
     corners = vertices[triangles]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    with np.errstate(all="ignore"):  # coordinates whose products overflow are refused where the mesh is used
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     return int(np.count_nonzero(~normals.any(axis=1)))
 
 

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import types
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic import Tag, ValidationError
+from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from .document import Document, Findings
 from .errors import Where, quoted, suggestion
-from .grammar import LATER_MOTIONS, LATER_SHAPES, MOTIONS, SHAPES, Part, SceneFile
+from .grammar.base import Part
+from .grammar.motions import LATER_MOTIONS, MOTIONS
+from .grammar.scene import SceneFile
+from .grammar.shapes import SHAPES
 
 LATER = "not supported by this version"
 FORMAT_VERSION = 1
@@ -67,7 +71,7 @@ def _told(details: ErrorDetails) -> tuple[Where, str, Where | None]:
         return where, _unknown_key(annotation, str(loc[-1])), (*where, loc[-1])
     if kind in ("missing", "too_long"):
         where, annotation = _followed(loc[:-1] if kind == "missing" else loc)
-        return where, _wrong_count(annotation, details["input"]), None
+        return where, _wrong_count(annotation, details), None
     if kind.startswith("union_tag"):
         where, _ = _followed(loc)
         return _wrong_choice(where, details["input"])
@@ -81,16 +85,16 @@ def _told(details: ErrorDetails) -> tuple[Where, str, Where | None]:
 def _unknown_key(annotation: Any, key: str) -> str:
     if not (isinstance(annotation, type) and issubclass(annotation, Part)):
         return f"unknown key {quoted(key)}"
-    if key in annotation.later_keys:
-        return f"{quoted(key)} is {LATER}"
-    known = list(annotation.model_fields)
+    known = _keys(annotation)
     return f"unknown key {quoted(key)}{suggestion(key, known)}, expected {_one_of(known)}"
 
 
-def _wrong_count(annotation: Any, got: Any) -> str:
-    items = get_args(annotation)
-    what = {float: "numbers", str: "names"}.get(_bare(items[0]), "lists") if items else "values"
+def _wrong_count(annotation: Any, details: ErrorDetails) -> str:
+    items, got = get_args(annotation), details["input"]
     count = len(got) if isinstance(got, tuple) else 0
+    if items and items[-1] is Ellipsis:
+        return f"expected at most {details.get('ctx', {})['max_length']} entries, got {count}"
+    what = {float: "numbers", str: "names"}.get(_bare(items[0]), "lists") if items else "values"
     return f"expected {len(items)} {what}, got {count}"
 
 
@@ -114,9 +118,6 @@ def _wrong_motion(where: Where, got: dict[str, Any]) -> tuple[Where, str, Where 
 
 
 def _wrong_shape(where: Where, got: dict[str, Any]) -> tuple[Where, str, Where | None]:
-    later = sorted(LATER_SHAPES & got.keys())
-    if later:
-        return where, f"{quoted(later[0])} shapes are {LATER}", (*where, later[0])
     known = [kind for kind in SHAPES if kind in got]
     if known:
         return where, f"expected one of {_one_of(SHAPES)}, got {' and '.join(known)}", None
@@ -144,18 +145,24 @@ def _too_small(details: ErrorDetails) -> str:
     return f"expected a number of at least {least:g}, got {quoted(got)}"
 
 
+def _no_number(details: ErrorDetails) -> str:
+    what = "a number or a list of 3" if details["loc"][-2:] == ("scale", "all") else "a number"
+    return f"expected {what}, got {quoted(details['input'])}"
+
+
 def _expected(what: str) -> Callable[[ErrorDetails], str]:
     return lambda details: f"expected {what}, got {quoted(details['input'])}"
 
 
 _WORDINGS: dict[str, Callable[[ErrorDetails], str]] = {
-    "float_type": _expected("a number"),
+    "float_type": _no_number,
     "finite_number": _expected("a finite number"),
     "string_type": _expected("text"),
     "dict_type": _expected("a mapping"),
     "model_type": _expected("a mapping"),
     "model_attributes_type": _expected("a mapping"),
     "tuple_type": _expected("a list"),
+    "bool_type": _expected("true or false"),
     "too_short": lambda details: "expected at least one entry, got none",
     "string_too_short": lambda details: "expected text, got an empty one",
     "greater_than_equal": _too_small,
@@ -201,10 +208,19 @@ def _member(union: Any, tag: str | int) -> Any:
     return next((member for member in get_args(union) if Tag(str(tag)) in getattr(member, "__metadata__", ())), None)
 
 
+def _fields(part: type[Part]) -> Iterator[tuple[str, FieldInfo]]:
+    """Yield a mapping's keys as they are written, each with what the grammar says of it."""
+    for name, field in part.model_fields.items():
+        yield field.alias or name, field
+
+
+def _keys(part: type[Part]) -> list[str]:
+    return [key for key, _ in _fields(part) if not key.startswith("$")]
+
+
 def _child(annotation: Any, step: str | int) -> Any:
     if isinstance(annotation, type) and issubclass(annotation, Part):
-        field = annotation.model_fields.get(str(step))
-        return field.annotation if field else None
+        return next((field.annotation for key, field in _fields(annotation) if key == step), None)
     items = get_args(annotation)
     if get_origin(annotation) is dict:
         return items[1]

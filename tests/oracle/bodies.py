@@ -1,4 +1,4 @@
-"""A body's surface as the oracle sees it: triangles with rounding radii, its connected parts, its solids."""
+"""A body's surface as the oracle sees it: triangles with rounding radii, round shapes, connected parts, solids."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from .meshes import read_triangles, topology
 from .motions import Units
 from .poses import units_of
-from .rigid import METRES, FloatArray, numbers, pose_of
+from .rigid import METRES, FloatArray, IntArray, numbers, pose_of
+from .rounds import Round, round_of
 
 Z_UP_FROM_Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 BOX_CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
@@ -31,31 +32,59 @@ class Surface:
     """The triangles of a body in its own frame, in m.
 
     A point is the triangle (p, p, p), a segment (a, b, b). The body is all points within `radii` of its triangle,
-    and all points inside a closed shape.
+    all points inside a closed shape, and its round shapes, of which the triangles are a coarse mesh inside.
 
     Attributes:
         triangles: (n, 3, 3) m.
         radii: (n,) m, the rounding radius of each triangle's shape.
         probes: (k, 3) m, one corner of each connected part of each shape.
         solids: the closed shapes, each (m, 3, 3) m.
+        rounds: cylinders, cones and ellipsoids.
+        owners: (n,) which of `rounds` each triangle belongs to, -1 for none; None: all belong to none.
     """
 
     triangles: FloatArray
     radii: FloatArray
     probes: FloatArray
     solids: tuple[FloatArray, ...]
+    rounds: tuple[Round, ...] = ()
+    owners: IntArray | None = None
+
+    @cached_property
+    def round_of(self) -> IntArray:
+        """(n,) which of `rounds` each triangle belongs to, -1 for none."""
+        return np.full(len(self.triangles), -1) if self.owners is None else self.owners
+
+    @cached_property
+    def slack(self) -> FloatArray:
+        """(n,) m: how far points of a triangle's round shape may lie from the shape's triangles; 0 if it has none."""
+        return np.array([*(one.slack for one in self.rounds), 0.0])[self.round_of]
 
     @cached_property
     def extent(self) -> float:
         """The largest distance (m) of a point of the body from its frame's origin."""
         if not len(self.triangles):
             return 0.0
-        return float((np.linalg.norm(self.triangles, axis=2) + self.radii[:, None]).max())
+        return float((np.linalg.norm(self.triangles, axis=2) + (self.radii + self.slack)[:, None]).max())
+
+    @cached_property
+    def chord_limit(self) -> float:
+        """The most (m) that what the tool measures may stand out from the body."""
+        return max((one.chord_limit for one in self.rounds), default=0.0)
 
     @cached_property
     def groups(self) -> tuple[NDArray[np.int64], ...]:
-        """Indices of near triangles, at most 8 a group, by halving along the longest side."""
-        return tuple(halved(self.triangles.mean(axis=1), np.arange(len(self.triangles))))
+        """Indices of near triangles, at most 8 a group, by halving along the longest side; round shapes apart."""
+        centres = self.triangles.mean(axis=1)
+        parts = [np.flatnonzero(self.round_of == owner) for owner in range(-1, len(self.rounds))]
+        return tuple(group for part in parts for group in halved(centres, part))
+
+    def lowest(self) -> FloatArray:
+        """Return (3,) m: the body's point of least z."""
+        tips = self.triangles.reshape(-1, 3) - np.array([0.0, 0.0, 1.0]) * np.repeat(self.radii, 3)[:, None]
+        down = np.array([[0.0, 0.0, -1.0]])
+        tips = np.concatenate([tips, *(one.support(down) for one in self.rounds)])
+        return tips[tips[:, 2].argmin()]
 
 
 def halved(centres: FloatArray, indices: NDArray[np.int64]) -> list[NDArray[np.int64]]:
@@ -68,24 +97,45 @@ def halved(centres: FloatArray, indices: NDArray[np.int64]) -> list[NDArray[np.i
     return halved(centres, order[:middle]) + halved(centres, order[middle:])
 
 
+@dataclass(frozen=True, eq=False)
+class Core:
+    """One shape in its body: triangles (n, 3, 3) m, a rounding radius in m, the round shape that it is, if any."""
+
+    triangles: FloatArray
+    radius: float = 0.0
+    round: Round | None = None
+
+
 def surface_of(scene: Mapping[str, Any], name: str, folder: Path) -> Surface:
     """Build a body's surface; mesh files are found relative to the scene's folder."""
     units = units_of(scene)
     shapes = ((scene["bodies"][name] or {}).get("shapes")) or []
     cores = [core_of(scene, shape, folder, units) for shape in shapes]
-    triangles = [core for core, _ in cores]
-    kinds = [topology(core) for core in triangles]
-    probes = [core[kind.parts, 0] for core, kind in zip(triangles, kinds, strict=True)]
+    kinds = [topology(core.triangles) for core in cores]
+    probes = [core.triangles[kind.parts, 0] for core, kind in zip(cores, kinds, strict=True)]
+    rounds = [core.round for core in cores if core.round is not None]
+    owners = [
+        np.full(len(core.triangles), -1 if core.round is None else rounds.index(core.round), dtype=np.int64)
+        for core in cores
+    ]
     return Surface(
-        np.concatenate([np.zeros((0, 3, 3)), *triangles]),
-        np.concatenate([np.zeros(0), *(np.full(len(core), radius) for core, radius in cores)]),
+        np.concatenate([np.zeros((0, 3, 3)), *(core.triangles for core in cores)]),
+        np.concatenate([np.zeros(0), *(np.full(len(core.triangles), core.radius) for core in cores)]),
         np.concatenate([np.zeros((0, 3)), *probes]),
-        tuple(core for core, kind in zip(triangles, kinds, strict=True) if kind.closed and len(core) > 3),
+        tuple(
+            core.triangles for core, kind in zip(cores, kinds, strict=True) if kind.closed and len(core.triangles) > 3
+        ),
+        tuple(rounds),
+        np.concatenate([np.zeros(0, dtype=np.int64), *owners]),
     )
 
 
-def core_of(scene: Mapping[str, Any], shape: Mapping[str, Any], folder: Path, units: Units) -> tuple[FloatArray, float]:
-    """Return a shape's triangles (n, 3, 3) m in the body's frame, and its rounding radius in m."""
+def core_of(scene: Mapping[str, Any], shape: Mapping[str, Any], folder: Path, units: Units) -> Core:
+    """Return a shape in its body's frame."""
+    pose = pose_of(shape.get("pose"), units.metres, units.radians)
+    whole = round_of(shape, units.metres, pose)
+    if whole is not None:
+        return Core(whole.mesh, 0.0, whole)
     radius = 0.0
     if "mesh" in shape:
         core = mesh_core(scene["meshes"][shape["mesh"]], folder) * numbers(shape.get("scale", 1.0))
@@ -99,8 +149,7 @@ def core_of(scene: Mapping[str, Any], shape: Mapping[str, Any], folder: Path, un
         core = np.array([[[0.0, 0.0, -half], [0.0, 0.0, half], [0.0, 0.0, half]]])
     else:
         raise NotImplementedError(f"the oracle does not know shape {sorted(shape)}")
-    pose = pose_of(shape.get("pose"), units.metres, units.radians)
-    return core @ pose[:3, :3].T + pose[:3, 3], radius
+    return Core(core @ pose[:3, :3].T + pose[:3, 3], radius)
 
 
 def mesh_core(mesh: Mapping[str, Any], folder: Path) -> FloatArray:

@@ -14,9 +14,10 @@ import numpy as np
 from .check_events import check_collisions, check_distances, check_wakeups
 from .check_frames import check_transforms, check_windows
 from .check_spans import check_certificate, check_contacts, check_depths, check_tiling
+from .check_world import check_summary, check_world, stated_chords
 from .logs import Log, read_log
 from .sampling import Effort, sample
-from .truth import Pair, Truth
+from .truth import NANOSECOND, Pair, Truth, seconds
 
 Values = dict[str, Any]
 
@@ -46,15 +47,20 @@ def check(truth: Truth, log: Log, *, effort: Effort | None = None, epoch: int = 
     faults += check_windows(truth, log, effort)
     if any("no such pair" in fault for fault in faults):
         return faults
+    chords = stated_chords(log)
     by_pair = {topic: log.by_pair(topic) for topic in PAIR_TOPICS}
     for a, b in truth.pairs():
         facts = {topic: found.get(f"{a}|{b}", []) for topic, found in by_pair.items()}
-        faults += check_pair(truth, (a, b), facts, effort, epoch)
-    return faults
+        chord = min(chords.get(f"{a}|{b}", np.inf), truth.chord_limit(a, b))
+        faults += check_pair(truth, (a, b), facts, effort, epoch, chord)
+    faults += check_summary(truth, log)
+    return [*faults, *check_world(truth, log, effort, epoch, chords)]
 
 
-def check_pair(truth: Truth, pair: Pair, facts: dict[str, list[Values]], effort: Effort, epoch: int) -> Iterable[str]:
-    """Yield what is wrong about one pair, given its messages by topic.
+def check_pair(
+    truth: Truth, pair: Pair, facts: dict[str, list[Values]], effort: Effort, epoch: int, chord: float
+) -> Iterable[str]:
+    """Yield what is wrong about one pair, given its messages by topic and its chord error (m).
 
     Without spans it must never touch, nor come within its margin.
     """
@@ -62,11 +68,12 @@ def check_pair(truth: Truth, pair: Pair, facts: dict[str, list[Values]], effort:
     collisions = sorted(facts["collisions"], key=lambda event: event["time_clear"])
     samples = sample(truth, pair, spans, effort)
     yield from check_tiling(truth, pair, spans)
-    yield from check_certificate(truth, pair, spans, samples)
+    yield from check_presence(truth, pair, facts, epoch)
+    yield from check_certificate(truth, pair, spans, samples, chord)
     yield from check_depths(truth, pair, spans, samples, effort)
-    yield from check_contacts(truth, pair, spans, collisions, effort)
-    yield from check_collisions(truth, pair, collisions)
-    yield from check_distances(truth, pair, facts["distances"], effort, epoch)
+    yield from check_contacts(truth, pair, spans, collisions, effort, chord)
+    yield from check_collisions(truth, pair, collisions, chord)
+    yield from check_distances(truth, pair, facts["distances"], effort, epoch, chord)
     yield from check_wakeups(truth, pair, facts["wakeups"], samples, effort, epoch)
 
 
@@ -84,6 +91,15 @@ def check_times(log: Log, epoch: int) -> Iterable[str]:
             own = message[OWN_TIME[topic]] if topic in OWN_TIME else None
             if own is not None and abs(own * 1e9 - (stamp - epoch)) > 1.0 + 1e-6 * abs(own):
                 yield f"/{topic} at {stamp} ns: its own time is {own} s"
+
+
+def check_presence(truth: Truth, pair: Pair, facts: dict[str, list[Values]], epoch: int) -> Iterable[str]:
+    """Nothing is told of a pair while one of the two is not there, but for the nanosecond that times are rounded to."""
+    start, end = truth.interval(*pair)
+    for topic, messages in facts.items():
+        times = np.array([seconds(message, epoch) for message in messages])
+        for time in times[(times < start - NANOSECOND) | (times > end + NANOSECOND)][:3]:
+            yield f"{'|'.join(pair)}: /{topic} at {time} s, both exist from {start} to {end}"
 
 
 def check_names(truth: Truth, log: Log) -> Iterable[str]:

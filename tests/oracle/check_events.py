@@ -17,8 +17,11 @@ POINT_TOLERANCE = 1e-6
 """Share of (1 m + the scene's size) by which a contact point may lie off the bodies: narrow phases place it so."""
 
 
-def check_collisions(truth: Truth, pair: Pair, collisions: Sequence[Values]) -> Iterable[str]:
-    """Every bracket is clear at one end, touching at the other, narrow, and the right way round."""
+def check_collisions(truth: Truth, pair: Pair, collisions: Sequence[Values], chord: float) -> Iterable[str]:
+    """Every bracket is clear at one end, touching at the other, narrow, and the right way round.
+
+    Touching is what is nearer than the chord error (m).
+    """
     if not collisions:
         return
     clear, touching = (np.array([event[key] for event in collisions]) for key in ("time_clear", "time_touching"))
@@ -35,22 +38,34 @@ def check_collisions(truth: Truth, pair: Pair, collisions: Sequence[Values]) -> 
             yield f"{name}: wider than {truth.contact_tolerance} s"
         if at_clear[i] < -truth.sure_depth and not standing:
             yield f"{name}: touches at its clear end, {-at_clear[i]:.3g} m deep"
-        if at_touching[i] > truth.tolerance:
+        if at_touching[i] > truth.tolerance + chord:
             yield f"{name}: {at_touching[i]:.3g} m apart at its touching end"
-        contained = surfaces[i] > truth.tolerance
-        if (event["kind"] == "CONTAINED") != contained and abs(surfaces[i]) > truth.tolerance:
+        contained = surfaces[i] > 0.0
+        doubtful = truth.tolerance + (chord + truth.slack(*pair) if chord > 0.0 else 0.0)
+        if (event["kind"] == "CONTAINED") != contained and abs(surfaces[i]) > doubtful:
             yield f"{name}: kind is {event['kind']}, the surfaces' distance {surfaces[i]:.3g} m"
-        yield from check_point(truth, pair, event, name)
+        yield from check_point(truth, pair, event, name, chord)
+        yield from check_keys(truth, pair, event, name)
 
 
-def check_point(truth: Truth, pair: Pair, event: Values, name: str) -> Iterable[str]:
-    """A collision's point belongs to both bodies when they touch."""
+def check_keys(truth: Truth, pair: Pair, event: Values, name: str) -> Iterable[str]:
+    """A collision names the keys that both bodies are between, by the keys' times, or within 1 ns of it."""
+    for body, side in zip(pair, "ab", strict=True):
+        said = (event.get(f"key_before_{side}", ""), event.get(f"key_after_{side}", ""))
+        times = event["time_touching"] + NANOSECOND * np.array([-1.0, 0.0, 1.0])
+        allowed = [truth.kinematics.named_around(body, time) for time in times.tolist()]
+        if said not in allowed:
+            yield f"{name}: {body} is said to be between keys {said}, not {allowed[1]}"
+
+
+def check_point(truth: Truth, pair: Pair, event: Values, name: str, chord: float) -> Iterable[str]:
+    """A collision's point belongs to both bodies when they touch, to the chord error (m)."""
     place = np.array([point(event["point"])])
     if not np.isfinite(place).all():
         return
     for body in pair:
         off = truth.from_points(body, np.array([event["time_touching"]]), place)[0]
-        if off > POINT_TOLERANCE * (1.0 + truth.size):
+        if off > POINT_TOLERANCE * (1.0 + truth.spread) + truth.tolerance + chord:
             yield f"{name}: its point is {off:.3g} m off {body}"
 
 
@@ -64,27 +79,32 @@ def chosen(messages: Sequence[Values], key: str, effort: Effort) -> list[Values]
     return [messages[i] for i in np.concatenate([order[:third], others])]
 
 
-def check_distances(truth: Truth, pair: Pair, distances: Sequence[Values], effort: Effort, epoch: int) -> Iterable[str]:
+def check_distances(
+    truth: Truth, pair: Pair, distances: Sequence[Values], effort: Effort, epoch: int, chord: float
+) -> Iterable[str]:
     """Measured distances are the true ones, and the witness points lie on both bodies that far apart.
 
-    Beside the tolerance they may be off by what the bodies move in the nanosecond to which times are rounded.
+    Beside the tolerance they may be off by what the bodies move in the nanosecond to which times are rounded. Of round
+    shapes they may be too near by the chord error (m), the witness points as far out.
     """
     picked = chosen(distances, "distance", effort)
     if not picked:
         return
     times = np.array([seconds(message, epoch) for message in picked])
-    allowed = truth.tolerance + truth.blur(pair[0], times) + truth.blur(pair[1], times)
+    blurs = [truth.blur(body, times) for body in pair]
+    allowed = truth.tolerance + truth.pair_blur(*pair, times)
     measured = np.array([message["distance"] for message in picked])
     true = np.maximum(truth.signed(*pair, times), 0.0)
-    for i in np.flatnonzero(~(np.abs(measured - true) <= allowed)):
+    for i in np.flatnonzero(~((measured <= true + allowed) & (measured >= true - allowed - chord))):
         yield f"{'|'.join(pair)}: distance {measured[i]} at {times[i]} s is truly {true[i]}"
     apart = measured > 0.0
     ends = [np.array([point(message[key]) for message in picked]) for key in ("witness_a", "witness_b")]
     span = np.linalg.norm(ends[0] - ends[1], axis=1)
     for i in np.flatnonzero(apart & ~(np.abs(span - measured) <= truth.tolerance)):
         yield f"{'|'.join(pair)}: witnesses {span[i]} m apart at {times[i]} s for distance {measured[i]}"
-    for body, points in zip(pair, ends, strict=True):
-        yield from check_witnesses(truth, pair, body, times[apart], points[apart], allowed[apart])
+    for body, points, blur in zip(pair, ends, blurs, strict=True):
+        known = truth.tolerance + blur[apart] + chord
+        yield from check_witnesses(truth, pair, body, times[apart], points[apart], known)
 
 
 def check_witnesses(
@@ -109,7 +129,7 @@ def check_wakeups(
     picked = chosen(wakeups, "sleep", effort)
     times = np.array([seconds(message, epoch) for message in picked])
     said = np.nan_to_num([message["clearance"] for message in picked], nan=0.0)
-    allowed = truth.tolerance + truth.blur(pair[0], times) + truth.blur(pair[1], times)
+    allowed = truth.tolerance + truth.pair_blur(*pair, times)
     true = np.maximum(truth.signed(*pair, times), 0.0)
     for i in np.flatnonzero(said > true + allowed):
         yield f"{'|'.join(pair)}: wakeup at {times[i]} s: clearance {said[i]}, truly {true[i]}"

@@ -19,8 +19,8 @@ Values = dict[str, Any]
 
 VERDICTS = ("CLEAR", "BREACH", "CONTACT", "UNRESOLVED", "POSSIBLE")
 
-MARGIN_SLOP = 1e-6
-"""s: where a margin is crossed is known to the contact tolerance; so near a span's end only contact is judged."""
+MARGIN_TIME = 1.0 / 16384.0
+"""Of the contact tolerance: how well (s) it is known when a margin is crossed."""
 
 
 def told(pair: Pair, span: Values | None) -> str:
@@ -52,8 +52,15 @@ def check_tiling(truth: Truth, pair: Pair, spans: Sequence[Values]) -> Iterable[
             yield f"{told(pair, span)}: clearance {span['clearance']}"
 
 
-def check_certificate(truth: Truth, pair: Pair, spans: Sequence[Values], samples: Samples) -> Iterable[str]:
-    """No instant inside a CLEAR or BREACH span touches; none is nearer than the clearance, nor the margin if CLEAR.
+def free(span: Values) -> bool:
+    """Tell whether a span is certified free of contact: CLEAR, BREACH, or unresolved as to the margin alone."""
+    return span["verdict"] in ("CLEAR", "BREACH") or (span["verdict"] == "UNRESOLVED" and span["clearance"] > 0.0)
+
+
+def check_certificate(
+    truth: Truth, pair: Pair, spans: Sequence[Values], samples: Samples, chord: float
+) -> Iterable[str]:
+    """No instant inside a span free of contact touches; none is nearer than the clearance, nor the margin if CLEAR.
 
     Without any span the pair counts as CLEAR over its whole time. One line a span: its worst instant.
     """
@@ -65,7 +72,7 @@ def check_certificate(truth: Truth, pair: Pair, spans: Sequence[Values], samples
         if not inside.any():
             continue
         times, signed = samples.times[inside], samples.signed[inside]
-        certified = span is None or span["verdict"] in ("CLEAR", "BREACH")
+        certified = span is None or free(span)
         worst = int(signed.argmin())
         if certified and signed[worst] < -truth.sure_depth:
             yield f"{told(pair, span)}: touches at {times[worst]} s, {-signed[worst]:.3g} m deep"
@@ -74,28 +81,31 @@ def check_certificate(truth: Truth, pair: Pair, spans: Sequence[Values], samples
         if below[worst] > truth.tolerance:
             yield f"{told(pair, span)}: {below[worst]:.3g} m nearer than its clearance at {times[worst]} s"
         if margin > 0.0:
-            yield from check_margin(truth, pair, span, times, signed)
+            yield from check_margin(truth, pair, span, Samples(times, signed), chord)
 
 
-def check_margin(truth: Truth, pair: Pair, span: Values | None, times: FloatArray, signed: FloatArray) -> Iterable[str]:
-    """A CLEAR span keeps the margin between its ends; a BREACH span is below it at both ends."""
+def check_margin(truth: Truth, pair: Pair, span: Values | None, samples: Samples, chord: float) -> Iterable[str]:
+    """A CLEAR span keeps the margin; a BREACH span is at it or below it at both ends, or just inside a jump."""
     margin = truth.margin(*pair)
     if span is None or span["verdict"] == "CLEAR":
-        start, end = truth.interval(*pair) if span is None else (span["start"], span["end"])
-        judged = (times > start + MARGIN_SLOP) & (times < end - MARGIN_SLOP)
-        short = np.where(judged, margin - signed, -np.inf)
+        short = margin - samples.signed
+        near = np.flatnonzero(short > truth.tolerance)
+        short[near] -= truth.creep(*pair, samples.times[near])
         worst = int(short.argmax())
         if short[worst] > truth.tolerance:
-            yield f"{told(pair, span)}: {short[worst]:.3g} m inside the margin at {times[worst]} s"
+            yield f"{told(pair, span)}: {short[worst]:.3g} m inside the margin at {samples.times[worst]} s"
     elif span["verdict"] == "BREACH":
-        ends = np.array([span["start"], span["end"]])
-        for time, distance in zip(ends, truth.signed(*pair, ends), strict=True):
-            if distance > margin + truth.tolerance:
-                yield f"{told(pair, span)}: {distance - margin:.3g} m outside the margin at its end {time} s"
+        step = MARGIN_TIME * truth.contact_tolerance
+        inner = (min(span["start"] + step, span["end"]), max(span["end"] - step, span["start"]))
+        times = np.array([span["start"], span["end"], *inner])
+        over = truth.signed(*pair, times) - truth.creep(*pair, times) - margin - chord
+        for time, distance in zip(times, np.minimum(over[:2], over[2:]), strict=False):
+            if distance > truth.tolerance:
+                yield f"{told(pair, span)}: {distance:.3g} m outside the margin at its end {time} s"
 
 
 def check_contacts(
-    truth: Truth, pair: Pair, spans: Sequence[Values], collisions: Sequence[Values], effort: Effort
+    truth: Truth, pair: Pair, spans: Sequence[Values], collisions: Sequence[Values], effort: Effort, chord: float
 ) -> Iterable[str]:
     """CONTACT spans run from a BEGIN's clear time to an END's, or to the pair's end, and touch between."""
     _, end = truth.interval(*pair)
@@ -110,27 +120,29 @@ def check_contacts(
             yield f"{told(pair, span)}: no END is clear at its end"
         if begin is not None:
             until = end if finish is None else finish["time_touching"]
-            yield from check_touching(truth, pair, span, (begin["time_touching"], until), effort)
+            yield from check_touching(truth, pair, span, (begin["time_touching"], until), effort, chord)
     for time in (*begins, *ends):
         yield f"{'|'.join(pair)}: a collision with time_clear {time} bounds no CONTACT span"
 
 
 def check_touching(
-    truth: Truth, pair: Pair, span: Values, between: tuple[float, float], effort: Effort
+    truth: Truth, pair: Pair, span: Values, between: tuple[float, float], effort: Effort, chord: float
 ) -> Iterable[str]:
     """Inside a contact no stretch longer than two time resolutions is clear, as touching is measured once in each.
 
-    Two, since the measurements on both sides of a stretch may fall just outside of it.
+    Two, since the measurements on both sides of a stretch may fall just outside of it. Apart is what is farther than
+    the chord error (m).
     """
     first, last = between
+    allowed = truth.tolerance + chord
     times = np.linspace(first, last, max(5, effort.uniform // 10))
-    apart = np.flatnonzero(truth.signed(*pair, times) > truth.tolerance)
+    apart = np.flatnonzero(truth.signed(*pair, times) > allowed)
     for i in apart[:20]:
         stretch = np.linspace(times[i] - 1.05 * truth.time_resolution, times[i] + 1.05 * truth.time_resolution, 43)
         if stretch[0] < first or stretch[-1] > last:
             continue
         gaps = truth.signed(*pair, stretch)
-        if (gaps > truth.tolerance).all():
+        if (gaps > allowed).all():
             yield f"{told(pair, span)}: apart by {gaps.min():.3g} m or more around {times[i]} s"
             return
 

@@ -8,8 +8,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from .bodies import Surface, surface_of
-from .draw import TICK, Draw, random_rotation
+from .draw import CRISP, Draw, random_rotation
+from .draw_motions import random_motion
 from .rigid import RADIANS, FloatArray, pose_of
+from .sampling import TICK
 
 Bodies = dict[str, dict[str, Any]]
 
@@ -32,10 +34,11 @@ def grazing_couple(draw: Draw, parent: str | None, name: str) -> Bodies:
     Both live in one frame, which may move. The gap, from -1e-3 to 1e-3 sizes, is exact to rounding: it follows
     from the guest's support (slides) or reach (turns), not from sampling.
     """
-    shape = draw.shape(0.4 * draw.size)
-    shape["pose"] = draw.pose(np.zeros(3), random_rotation(draw.rng))
     way = draw.pick("harmonic", "ballistic", "keyframes", "swing", "screw")
-    if way in ("swing", "screw"):
+    turns = way in ("swing", "screw")
+    shape = draw.shape(0.4 * draw.size, CRISP) if turns else draw.shape(0.4 * draw.size)
+    shape["pose"] = draw.pose(np.zeros(3), random_rotation(draw.rng))
+    if turns:
         lowest, motion = turning_guest(draw, shape, way)
     else:
         lowest, motion = sliding_guest(draw, shape, way)
@@ -64,12 +67,10 @@ def host_below(draw: Draw) -> tuple[dict[str, Any], float]:
 
 def sliding_guest(draw: Draw, shape: dict[str, Any], way: str) -> tuple[FloatArray, dict[str, Any]]:
     """Return the lowest point (3,) m that the guest ever reaches, and its motion up and down."""
-    surface = built(draw, [shape])
-    corners = surface.triangles.reshape(-1, 3)
-    lowest = corners[corners[:, 2].argmin()] + surface.radii[0] * DOWN
+    lowest = built(draw, [shape]).lowest()
     travel = draw.between(0.3, 1.0) * draw.size
     if way == "harmonic":
-        motion = draw.motion("harmonic") | {"direction": [0, 0, 1], "amplitude": draw.metres(travel)}
+        motion = random_motion(draw, "harmonic") | {"direction": [0, 0, 1], "amplitude": draw.metres(travel)}
         motion["period"] = draw.between(0.3, 1.9)
         return lowest + travel * DOWN, motion
     if way == "ballistic":
@@ -95,7 +96,7 @@ def turning_guest(draw: Draw, shape: dict[str, Any], way: str) -> tuple[FloatArr
     inner = Rotation.from_matrix(inner_rotation(draw, shape))
     shape["pose"] = draw.pose(np.zeros(3), Rotation.from_rotvec([angle, 0.0, 0.0]) * inner)
     lowest = np.array([tip[0], 0.0, -reach - surface.radii[0]])
-    motion = draw.motion(way) | {"axis": [1, 0, 0], "point": [0, 0, 0]}
+    motion = random_motion(draw, way) | {"axis": [1, 0, 0], "point": [0, 0, 0]}
     if way == "swing":
         motion |= {"amplitude": draw.radians(draw.between(0.5, 2.5)), "period": draw.between(0.4, 1.9)}
         return lowest, motion
@@ -115,9 +116,9 @@ def contained_couple(draw: Draw, parent: str | None, name: str) -> Bodies:
     host: dict[str, Any] = {"shapes": [host_shape]}
     guest: dict[str, Any] = {"shapes": [draw.shape(0.1 * draw.size)]}
     guest["pose"] = draw.pose(draw.rng.uniform(-0.1, 0.1, 3) * draw.size, None)
-    guest["motion"] = draw.motion(vigour=draw.pick(0.2, 1.0, 2.0))
+    guest["motion"] = random_motion(draw, vigour=draw.pick(0.2, 1.0, 2.0))
     if draw.chance(0.3):
-        host["motion"] = draw.motion(vigour=0.2)
+        host["motion"] = random_motion(draw, vigour=0.2)
     if parent is not None:
         host["parent"] = parent
         guest["parent"] = parent if draw.chance(0.5) else f"{name}_host"

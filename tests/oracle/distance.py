@@ -1,5 +1,7 @@
 """The exact distance of two bodies at many relative poses: spheres rule triangle pairs out, brute force does the rest.
 
+Round shapes are looked for by the coarse meshes inside them and then measured as what they are.
+
 Signed distance, here: positive = the distance (m) of the two bodies; negative = they overlap, and every motion of
 less than its magnitude leaves them overlapping (some such depth, not the largest).
 """
@@ -10,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .bodies import Surface
+from .elements import ElementPairs
 from .inside import Containment
 from .rigid import FloatArray, IntArray, inverse
 from .triangles import separation
@@ -33,6 +36,7 @@ class PairDistance:
     def __init__(self, a: Surface, b: Surface) -> None:
         self.a, self.b = Cover(a), Cover(b)
         self.inside = (Containment(b, a), Containment(a, b))
+        self.elements = ElementPairs(a, b) if a.rounds or b.rounds else None
 
     def lower_bounds(self, poses: FloatArray) -> FloatArray:
         """Return (n,) m: cheap lower bounds on the distance of the surfaces at poses (n, 4, 4)."""
@@ -45,30 +49,59 @@ class PairDistance:
         contained = self.contained(poses)
         out = self.lower_bounds(poses)
         exact = ~contained | (out <= SURE)
-        out[exact] = self.surfaces(poses[exact])
-        return np.where(contained & (out > 0.0), -out, out)
+        out[exact] = self._in_steps(poses[exact], whole=True)
+        out = np.where(contained & (out > 0.0), -out, out)
+        return out if self.elements is None else self._deepened(out, poses, contained)
+
+    def _deepened(self, out: FloatArray, poses: FloatArray, contained: NDArray[np.bool_]) -> FloatArray:
+        """Return signed distances (n,) m with the depths that round shapes' inner meshes show, where these are more."""
+        held = np.flatnonzero(out <= 0.0)
+        meshes = self.surfaces(poses[held])
+        deep = np.where(meshes < 0.0, meshes, np.where(contained[held], -meshes, 0.0))
+        out[held] = np.minimum(out[held], deep)
+        return out
 
     def contained(self, poses: FloatArray) -> NDArray[np.bool_]:
         """Tell at which poses (n, 4, 4) a part of one body has a corner inside a solid of the other: an overlap."""
         return self.inside[0].any_inside(poses) | self.inside[1].any_inside(inverse(poses))
 
     def surfaces(self, poses: FloatArray) -> FloatArray:
-        """Return (n,) m: signed distances of the surfaces alone, blind to containment."""
+        """Return (n,) m: signed distances of the surfaces alone, blind to containment; of inner meshes."""
+        return self._in_steps(poses, whole=False)
+
+    def _in_steps(self, poses: FloatArray, whole: bool) -> FloatArray:
         step = max(1, CHUNK_CELLS // (len(self.a.group_radii) * len(self.b.group_radii)))
-        parts = [self._surfaces(poses[i : i + step]) for i in range(0, len(poses), step)]
+        parts = [self._surfaces(poses[i : i + step], whole) for i in range(0, len(poses), step)]
         return np.concatenate([np.zeros(0), *parts])
 
-    def _surfaces(self, poses: FloatArray) -> FloatArray:
+    def _surfaces(self, poses: FloatArray, whole: bool) -> FloatArray:
         placed = Placed(poses, self.a, self.b)
         groups = self._group_bounds(poses)
         best = np.full(len(poses), np.inf)
+        if whole and self.elements is not None:
+            groups[:, self.a.round_groups[:, None] & self.b.round_groups] = np.inf
         flat = groups.reshape(len(poses), -1)
         nearest = np.unravel_index(flat.argmin(axis=1), groups.shape[1:])
         self._improve(placed, best, np.arange(len(poses)), nearest[0], nearest[1])
         open_ = (groups < best[:, None, None]) & (best > -SURE)[:, None, None]
         open_[np.arange(len(poses)), nearest[0], nearest[1]] = False
         self._improve(placed, best, *np.nonzero(open_))
+        if whole and self.elements is not None:
+            self._measure_rounds(self.elements, placed, best, groups)
+            self.elements.lower_by_rounds(best, poses)
         return best
+
+    def _measure_rounds(self, elements: ElementPairs, placed: Placed, best: FloatArray, groups: FloatArray) -> None:
+        """Lower `best` (n,), taken between meshes, by the round shapes themselves wherever one may be nearer."""
+        at, group_a, group_b = np.nonzero((groups < best[:, None, None]) & (best > -SURE)[:, None, None])
+        at, i, j, _ = self._candidates(placed, best, at, group_a, group_b)
+        slack = self.a.slack[i] + self.b.slack[j]
+        keep = slack > 0.0
+        at, i, j, slack = at[keep], i[keep], j[keep], slack[keep]
+        parts = np.array_split(np.arange(len(at)), max(1, -(-len(at) // BATCH)))
+        found = [self._separations(placed.poses[at[part]], i[part], j[part]) for part in parts]
+        keep = np.concatenate(found) - slack < best[at]
+        elements.lower(best, placed.poses, at[keep], i[keep], j[keep])
 
     def _group_bounds(self, poses: FloatArray) -> FloatArray:
         """Return (n, groups of a, groups of b) m: bounds from the groups' spheres and boxes."""
@@ -113,14 +146,14 @@ class PairDistance:
         """Return lower bounds (m) on the distances of triangles i of a and j of b from their spheres."""
         between = placed.centres_b[at, j] - self.a.centres[i]
         gaps = np.sqrt(np.einsum("nk,nk->n", between, between))
-        return gaps - (self.a.reach + self.a.radii)[i] - (self.b.reach + self.b.radii)[j]
+        return gaps - (self.a.reach + self.a.outer)[i] - (self.b.reach + self.b.outer)[j]
 
     def _box_bounds(self, placed: Placed, at: IntArray, i: IntArray, j: IntArray) -> FloatArray:
         """Return lower bounds (m) from the box of one triangle against the sphere of the other, both ways."""
         a, b = self.a, self.b
         over_a = box_gap(placed.centres_b[at, j], a.lows[i], a.highs[i]) - b.reach[j]
         over_b = box_gap(placed.centres_a[at, i], b.lows[j], b.highs[j]) - a.reach[i]
-        return np.maximum(over_a, over_b) - a.radii[i] - b.radii[j]
+        return np.maximum(over_a, over_b) - a.outer[i] - b.outer[j]
 
     def _separations(self, poses: FloatArray, i: IntArray, j: IntArray) -> FloatArray:
         """Return the signed distances (m) of triangles i of a and j of b, rounding radii off."""
@@ -146,7 +179,9 @@ class Cover:
     Attributes:
         centres, reach: (n, 3) m, (n,) m, a sphere about each triangle without its rounding radius.
         lows, highs: (n, 3) m, the axis-aligned box of each triangle.
+        slack, outer: (n,) m, how far its round shape stands out from a triangle; with the rounding radius.
         members: (g, 8) triangle indices of each group, -1 where it has fewer.
+        round_groups: (g,) whether a group's triangles are those inside a round shape.
         group_centres, group_radii: (g, 3) m, (g,) m, spheres about the groups with rounding radii.
         group_lows, group_highs: (g, 3) m, boxes about the groups with rounding radii.
     """
@@ -154,10 +189,13 @@ class Cover:
     def __init__(self, surface: Surface) -> None:
         triangles = surface.triangles
         self.radii = surface.radii
+        self.slack = surface.slack
+        self.outer = surface.radii + surface.slack
         self.corner_first = np.ascontiguousarray(np.moveaxis(triangles, 2, 0))
         self.lows, self.highs = triangles.min(axis=1), triangles.max(axis=1)
         self.centres = sphere_centres(triangles)
         self.reach = np.linalg.norm(triangles - self.centres[:, None], axis=2).max(axis=1)
+        self.round_groups = np.array([bool(surface.round_of[group[0]] >= 0) for group in surface.groups], dtype=bool)
         self.members = np.full((len(surface.groups), 8), -1)
         self.group_centres = np.zeros((len(surface.groups), 3))
         self.group_lows, self.group_highs = np.zeros_like(self.group_centres), np.zeros_like(self.group_centres)
@@ -165,13 +203,13 @@ class Cover:
         for index, group in enumerate(surface.groups):
             self.members[index, : len(group)] = group
             corners = triangles[group].reshape(-1, 3)
-            rounding = surface.radii[group].max()
+            rounding = self.outer[group].max()
             self.group_lows[index], self.group_highs[index] = corners.min(axis=0), corners.max(axis=0)
             self.group_centres[index] = 0.5 * (self.group_lows[index] + self.group_highs[index])
             self.group_lows[index] -= rounding
             self.group_highs[index] += rounding
             gaps = np.linalg.norm(triangles[group] - self.group_centres[index], axis=2).max(axis=1)
-            self.group_radii[index] = (gaps + surface.radii[group]).max()
+            self.group_radii[index] = (gaps + self.outer[group]).max()
 
 
 def box_gap(points: FloatArray, lows: FloatArray, highs: FloatArray) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Random values in the ways the scene file can write them: lengths, angles, poses, motions, shapes, mesh files."""
+"""Random values in the ways the scene file can write them: lengths, angles, poses, shapes, mesh files."""
 
 from __future__ import annotations
 
@@ -12,10 +12,9 @@ from scipy.spatial.transform import Rotation
 from .rigid import METRES, RADIANS, FloatArray
 from .solids import random_solid, write_mesh
 
-TICK = 1.0 / 64.0
-"""s: keys stand on multiples of this, so that a step's instant is the same number whoever adds `t0`."""
-
-MOTIONS = ("constant", "ballistic", "screw", "harmonic", "swing", "keyframes", "keyframes")
+SHAPES = ("mesh", "mesh", "mesh", "box", "box", "sphere", "capsule", "cylinder", "cone", "ellipsoid")
+CRISP = ("mesh", "box", "sphere", "capsule")
+"""Shapes that the tool measures as what they are."""
 
 
 def random_rotation(rng: np.random.Generator) -> Rotation:
@@ -30,7 +29,8 @@ class Draw:
     Attributes:
         size: m, how large things are about.
         start, end: s, the time range.
-        without: what the scene shall not use: t0, scale, hold.
+        meshes: the scene's section of that name, as drawn so far.
+        files: how many trajectory files have been written.
     """
 
     seed: int
@@ -41,15 +41,11 @@ class Draw:
     size: float
     start: float
     end: float
-    without: frozenset[str]
     meshes: dict[str, Any] = field(default_factory=dict)
+    files: int = 0
 
     def chance(self, probability: float) -> bool:
         return bool(self.rng.random() < probability)
-
-    def may(self, feature: str, probability: float) -> bool:
-        """Draw whether to use a feature; never where the scene is to do without it."""
-        return self.chance(probability) and feature not in self.without
 
     def between(self, low: float, high: float) -> float:
         return float(self.rng.uniform(low, high))
@@ -99,18 +95,23 @@ class Draw:
         rotation = random_rotation(self.rng) if self.chance(0.75) else None
         return self.pose(self.rng.uniform(-reach, reach, 3) * self.size, rotation)
 
-    def shape(self, size: float, kinds: tuple[str, ...] = ("mesh", "mesh", "box", "sphere", "capsule")) -> Any:
+    def shape(self, size: float, kinds: tuple[str, ...] = SHAPES) -> Any:
         """Write a shape of about `size` m from its origin to its tips, without a pose."""
         kind = self.pick(*kinds)
         if kind == "mesh":
             out: dict[str, Any] = {"mesh": self.mesh(size)}
-            return out | {"scale": self.between(0.6, 1.2)} if self.may("scale", 0.2) else out
+            if self.chance(0.3):
+                out["scale"] = self.between(0.6, 1.2) if self.chance(0.5) else self.rng.uniform(0.5, 1.3, 3).tolist()
+            return out
         if kind == "box":
             return {"box": self.metres(self.rng.uniform(0.4, 1.4, 3) * size)}
         if kind == "sphere":
             return {"sphere": self.metres(self.between(0.3, 0.9) * size)}
-        radius, length = self.between(0.15, 0.4) * size, self.between(0.4, 1.4) * size
-        return {"capsule": {"radius": self.metres(radius), "length": self.metres(length)}}
+        if kind == "ellipsoid":
+            return {"ellipsoid": self.metres(self.rng.uniform(0.15, 1.0, 3) * size)}
+        thin = 0.4 if kind == "capsule" else 0.8
+        radius, length = self.between(0.15, thin) * size, self.between(0.4, 1.4) * size
+        return {kind: {"radius": self.metres(radius), "length": self.metres(length)}}
 
     def mesh(self, size: float) -> str:
         """Write a mesh file of a random solid, or reuse one, and return its name."""
@@ -124,80 +125,3 @@ class Draw:
             entry["up"] = "y"
         self.meshes[name] = entry
         return name
-
-    def motion(self, kind: str | None = None, vigour: float = 1.0) -> dict[str, Any]:
-        """Write a random motion that moves by about `vigour` sizes a second or turns by about a radian."""
-        kind = kind or self.pick(*MOTIONS)
-        spec = {"type": kind, **getattr(self, f"_{kind}")(vigour * self.size)}
-        if kind != "keyframes" and self.may("t0", 0.3):
-            spec["t0"] = self.between(-1.0, 2.0)
-        return spec
-
-    def velocity(self, speed: float) -> Any:
-        return self.metres(self.direction() * speed * self.between(0.3, 1.5))
-
-    def spin(self) -> Any:
-        return self.radians(self.direction() * self.between(0.3, 4.0))
-
-    def _constant(self, reach: float) -> dict[str, Any]:
-        out = {"velocity": self.velocity(reach), "angular_velocity": self.spin()}
-        if self.chance(0.4):
-            out.pop(self.pick("velocity", "angular_velocity"))
-        return out
-
-    def _ballistic(self, reach: float) -> dict[str, Any]:
-        out = {"velocity": self.velocity(1.5 * reach), "acceleration": self.velocity(1.5 * reach)}
-        return out | {"angular_velocity": self.spin()} if self.chance(0.6) else out
-
-    def _screw(self, reach: float) -> dict[str, Any]:
-        out = {"axis": self.direction().tolist(), "rate": self.radians(self.between(-5.0, 5.0))}
-        if self.chance(0.7):
-            out["pitch"] = self.metres(self.between(-1.0, 1.0) * reach)
-        return out | {"point": self.metres(self.rng.uniform(-0.7, 0.7, 3) * self.size)}
-
-    def _harmonic(self, reach: float) -> dict[str, Any]:
-        return {
-            "direction": (self.direction() * self.between(0.5, 3.0)).tolist(),
-            "amplitude": self.metres(self.between(0.2, 1.2) * reach),
-            "period": self.between(0.15, 3.0),
-            "phase": self.radians(self.between(-3.0, 3.0)),
-        }
-
-    def _swing(self, _reach: float) -> dict[str, Any]:
-        return {
-            "axis": self.direction().tolist(),
-            "point": self.metres(self.rng.uniform(-0.7, 0.7, 3) * self.size),
-            "amplitude": self.radians(self.between(0.3, 3.0)),
-            "period": self.between(0.2, 3.0),
-            "phase": self.radians(self.between(-3.0, 3.0)),
-        }
-
-    def _keyframes(self, reach: float) -> dict[str, Any]:
-        """Write 2 to 6 keys on ticks: over the whole range, or less of it and held or looped."""
-        begin, end = round(self.start / TICK), round(self.end / TICK)
-        short = self.may("hold", 0.35)
-        if short:
-            middle = (begin + end) // 2
-            begin, end = begin + int(self.rng.integers(0, 20)), middle + int(self.rng.integers(5, 40))
-        inner = self.rng.choice(np.arange(begin + 1, end), int(self.rng.integers(0, 5)), replace=False)
-        ticks = [begin, *sorted(inner.tolist()), end]
-        shift = int(self.rng.integers(-40, 40)) if self.may("t0", 0.3) else 0
-        out: dict[str, Any] = {"keys": self._keys([tick - shift for tick in ticks], reach)}
-        if shift:
-            out["t0"] = shift * TICK
-        ways = {"translation": self.pick("linear", "linear", "step"), "rotation": self.pick("slerp", "slerp", "step")}
-        if ways != {"translation": "linear", "rotation": "slerp"} or self.chance(0.5):
-            out["interpolation"] = ways
-        return out | {"before": "hold", "after": self.pick("hold", "loop")} if short else out
-
-    def _keys(self, ticks: list[int], reach: float) -> list[dict[str, Any]]:
-        """Write keys at these ticks that wander by about `reach` and turn by less than 150 degrees each."""
-        place, rotation = self.rng.uniform(-0.5, 0.5, 3) * reach, Rotation.identity()
-        turning = self.chance(0.7)
-        keys = []
-        for tick in ticks:
-            turn = self.turn(rotation) if turning and rotation.magnitude() > 0.0 else {}
-            keys.append({"t": tick * TICK, "xyz": self.metres(place), **turn})
-            place = place + self.rng.uniform(-0.7, 0.7, 3) * reach
-            rotation = Rotation.from_rotvec(self.direction() * self.between(0.1, 2.5)) * rotation
-        return keys

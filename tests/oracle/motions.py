@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
-from .rigid import FloatArray, IntArray, about_point, numbers, pose_of, rigid, rotations, unit
+from .rigid import FloatArray, about_point, numbers, rigid, rotations, unit
 
 ZERO = (0.0, 0.0, 0.0)
 Spec = Mapping[str, Any]
@@ -23,10 +22,8 @@ class Units:
     radians: float
 
 
-def motion_at(spec: Spec | None, times: FloatArray, units: Units) -> FloatArray:
-    """Return the motion's matrices (n, 4, 4) at scene times (n,) s; no motion is the identity."""
-    if spec is None:
-        return rigid(None, np.zeros((len(times), 3)))
+def motion_at(spec: Spec, times: FloatArray, units: Units) -> FloatArray:
+    """Return matrices (n, 4, 4) at scene times (n,) s of any motion but the paths (see paths)."""
     if spec["type"] not in MOTIONS:
         raise NotImplementedError(f"the oracle does not know motion {spec['type']!r}")
     return MOTIONS[spec["type"]](spec, times - float(spec.get("t0", 0.0)), units)
@@ -111,74 +108,6 @@ def profile(spec: Spec, t: FloatArray, units: Units) -> FloatArray:
     return about_point(rotations(axis, value), numbers(spec.get("point", ZERO)) * units.metres)
 
 
-def keyframes(spec: Spec, t: FloatArray, units: Units) -> FloatArray:
-    """Interpolate the keys: step holds the last key at or before t, the other ways blend towards the next."""
-    keys = spec["keys"]
-    at = numbers([key["t"] for key in keys])
-    poses = np.array([pose_of(key, units.metres, units.radians) for key in keys])
-    t = wrapped(spec, t, at)
-    now = np.clip(np.searchsorted(at, t, side="right") - 1, 0, len(at) - 1)
-    left = np.minimum(now, max(len(at) - 2, 0))
-    right = np.minimum(left + 1, len(at) - 1)
-    length = np.where(right > left, at[right] - at[left], 1.0)
-    part = (t - at[left]) / length
-    ways = spec.get("interpolation", {})
-    how, turns = ways.get("translation", "linear"), ways.get("rotation", "slerp")
-    places = poses[:, :3, 3]
-    if how == "step":
-        translation = places[now]
-    elif how == "cubic":
-        translation = hermite(places, tangents(spec, at, places, units), left, right, part, length)
-    else:
-        translation = places[left] + part[:, None] * (places[right] - places[left])
-    rotation = poses[now, :3, :3] if turns == "step" else slerp(poses[:, :3, :3], left, right, part)
-    return rigid(rotation, translation)
-
-
-def wrapped(spec: Spec, t: FloatArray, at: FloatArray) -> FloatArray:
-    """Bring times outside the keys inside: looped where the spec says so, else held at the nearer end."""
-    span = at[-1] - at[0]
-    looped = at[0] + np.mod(t - at[0], span) if span > 0.0 else np.full_like(t, at[0])
-    t = np.where((t < at[0]) & (spec.get("before") == "loop"), looped, t)
-    t = np.where((t > at[-1]) & (spec.get("after") == "loop"), looped, t)
-    return np.clip(t, at[0], at[-1])
-
-
-def slerp(turns: FloatArray, left: IntArray, right: IntArray, part: FloatArray) -> FloatArray:
-    """Return (n, 3, 3): from turns[left] along the shortest turn to turns[right], `part` of the way."""
-    first, second = Rotation.from_matrix(turns[left]), Rotation.from_matrix(turns[right])
-    way = (first.inv() * second).as_rotvec()
-    return (first * Rotation.from_rotvec(part[:, None] * way)).as_matrix()
-
-
-def tangents(spec: Spec, at: FloatArray, places: FloatArray, units: Units) -> FloatArray:
-    """Return the velocities (keys, 3) m/s at the keys: stated, else non-uniform Catmull-Rom."""
-    keys = spec["keys"]
-    if all("velocity" in key for key in keys):
-        return numbers([key["velocity"] for key in keys]) * units.metres
-    slopes = np.diff(places, axis=0) / np.diff(at)[:, None]
-    before, after = np.diff(at)[:-1, None], np.diff(at)[1:, None]
-    inner = (after * slopes[:-1] + before * slopes[1:]) / (before + after)
-    return np.concatenate([slopes[:1], inner, slopes[-1:]])
-
-
-def hermite(
-    places: FloatArray,
-    speeds: FloatArray,
-    left: IntArray,
-    right: IntArray,
-    part: FloatArray,
-    length: FloatArray,
-) -> FloatArray:
-    s, h = part[:, None], length[:, None]
-    return (
-        (1.0 + 2.0 * s) * (1.0 - s) ** 2 * places[left]
-        + s * (1.0 - s) ** 2 * h * speeds[left]
-        + s**2 * (3.0 - 2.0 * s) * places[right]
-        + s**2 * (s - 1.0) * h * speeds[right]
-    )
-
-
 MOTIONS: dict[str, Callable[[Spec, FloatArray, Units], FloatArray]] = {
     "constant": ballistic,
     "ballistic": ballistic,
@@ -188,5 +117,4 @@ MOTIONS: dict[str, Callable[[Spec, FloatArray, Units], FloatArray]] = {
     "harmonic": harmonic,
     "swing": swing,
     "profile": profile,
-    "keyframes": keyframes,
 }

@@ -32,6 +32,9 @@ class Effort:
     seed: int = 0
 
 
+TICK = 1.0 / 64.0
+"""s: multiples of it are added and subtracted without rounding."""
+
 OFFSETS = np.array([1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3])
 """s: how far inside its ends a span is tried too."""
 
@@ -70,17 +73,23 @@ def sample(truth: Truth, pair: Pair, spans: Sequence[Values], effort: Effort) ->
 
 
 def instants(truth: Truth, pair: Pair, spans: Sequence[Values], effort: Effort) -> FloatArray:
-    """Return the first instants: a grid, random ones, both sides of spans' ends and of keys."""
+    """Return the first instants: a grid, random ones, both sides of spans' ends and of keys.
+
+    Of keys that are no round numbers not the very instant: correct programs may differ in the last digit of when it is.
+    """
     start, end = truth.interval(*pair)
     rng = np.random.default_rng([effort.seed, truth.pair_id(*pair)])
     ends = np.array([[span["start"], span["end"]] for span in spans]).reshape(-1)
     if len(ends) > 400:
         ends = rng.choice(ends, 400, replace=False)
-    knots = truth.kinematics.knots(*pair)
-    knots = np.concatenate([np.nextafter(knots, -np.inf), knots])
+    knots = truth.kinematics.knots(*pair, start=start, end=end)
+    if len(knots) > 100:
+        knots = rng.choice(knots, 100, replace=False)
+    exact = knots[knots / TICK == np.round(knots / TICK)]
+    exact = np.concatenate([np.nextafter(exact, -np.inf), exact])
     around = (np.concatenate([ends, knots])[:, None] + np.concatenate([-OFFSETS, OFFSETS])).reshape(-1)
     grid = np.linspace(start, end, effort.uniform)
-    times = np.concatenate([grid, rng.uniform(start, end, effort.scattered), around, knots])
+    times = np.concatenate([grid, rng.uniform(start, end, effort.scattered), around, exact])
     return np.unique(times[(times >= start) & (times <= end)])
 
 

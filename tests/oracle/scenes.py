@@ -10,23 +10,26 @@ import numpy as np
 import yaml
 
 from .couples import contained_couple, grazing_couple
-from .draw import TICK, Draw
+from .draw import Draw
+from .draw_motions import random_motion
 from .rigid import METRES, RADIANS
+from .sampling import TICK
 
 Bodies = dict[str, dict[str, Any]]
 
-NOT_YET = frozenset({"t0", "scale", "hold"})
-"""What closecall does not read yet, of: `t0`, `scale` of a mesh shape, `hold` (and loop) of keys. To be emptied."""
+
+def write_scene(seed: int, folder: Path) -> Path:
+    """Write the scene of this seed into the folder and return the scene file, named after the seed."""
+    draw = begun(seed, folder)
+    bodies = random_bodies(draw)
+    return write_document(scene_of(draw, bodies, random_rules(draw, bodies)), draw)
 
 
-def write_scene(seed: int, folder: Path, without: frozenset[str] = NOT_YET) -> Path:
-    """Write the scene of this seed into the folder and return the scene file, named after the seed.
-
-    What stands in `without` is left out.
-    """
+def begun(seed: int, folder: Path) -> Draw:
+    """Return what a scene is drawn from: its random source, units, size and time."""
     rng = np.random.default_rng(seed)
-    start = TICK * int(rng.integers(0, 64)) if rng.random() < 0.3 else 0.0
-    draw = Draw(
+    start = TICK * int(rng.integers(-64, 64)) if rng.random() < 0.3 else 0.0
+    return Draw(
         seed,
         folder,
         rng,
@@ -35,23 +38,32 @@ def write_scene(seed: int, folder: Path, without: frozenset[str] = NOT_YET) -> P
         float(rng.choice([0.05, 0.3, 1.0, 1.0, 4.0])),
         start,
         start + TICK * int(rng.integers(128, 257)),
-        without,
     )
-    bodies = random_bodies(draw)
+
+
+def scene_of(draw: Draw, bodies: Bodies, rules: dict[str, Any]) -> dict[str, Any]:
+    """Return the document of bodies and their `pairs` section."""
+    settings: dict[str, Any] = {"time_resolution": draw.pick(1e-3, 1e-3, 5e-3, 2e-4)}
+    if draw.chance(0.3):
+        settings["contact_tolerance"] = draw.pick(1e-5, 1e-7)
+    if draw.chance(0.4):
+        settings["margin"] = draw.metres(random_margin(draw))
     scene: dict[str, Any] = {
         "closecall": 1,
         "units": {"length": draw.length, "angle": draw.angle},
         "time": {"start": draw.start, "end": draw.end},
-        "settings": {"time_resolution": draw.pick(1e-3, 1e-3, 5e-3, 2e-4)},
+        "settings": settings,
         "meshes": draw.meshes,
         "bodies": bodies,
     }
     if not draw.meshes:
         del scene["meshes"]
-    rules = random_rules(draw, bodies)
-    if rules:
-        scene["pairs"] = rules
-    return write_document(scene, draw)
+    return scene | {"pairs": rules} if rules else scene
+
+
+def random_margin(draw: Draw) -> float:
+    """Return m: from a thousandth to a third of the size."""
+    return draw.size * 10.0 ** draw.between(-3.0, -0.5)
 
 
 def write_document(scene: dict[str, Any], draw: Draw) -> Path:
@@ -88,7 +100,7 @@ def common_frame(draw: Draw, bodies: Bodies) -> str | None:
     name = f"frame_{len(bodies)}"
     bodies[name] = {"pose": draw.random_pose(0.5)}
     if draw.chance(0.7):
-        bodies[name]["motion"] = draw.motion(vigour=0.5)
+        bodies[name]["motion"] = random_motion(draw, vigour=0.5)
     return name
 
 
@@ -105,10 +117,20 @@ def random_body(draw: Draw, bodies: Bodies) -> dict[str, Any]:
     body["pose"] = draw.random_pose(1.3 if "parent" not in body else 0.9)
     body["shapes"] = random_shapes(draw)
     if draw.chance(0.85):
-        body["motion"] = draw.motion()
+        body["motion"] = random_motion(draw)
     if draw.chance(0.3):
         body["groups"] = [draw.pick("red", "blue")]
+    if draw.chance(0.15):
+        body["exists"] = random_existence(draw)
     return body
+
+
+def random_existence(draw: Draw) -> list[float]:
+    """Write from when to when a body exists: a part of the time, perhaps from before it or until after it."""
+    length = draw.end - draw.start
+    begin = draw.start + draw.pick(-0.5, draw.between(0.0, 0.7)) * length
+    end = max(begin, draw.start) + draw.pick(2.0, draw.between(0.1, 0.6)) * length
+    return [round(begin / TICK) * TICK, end]
 
 
 def depth(bodies: Bodies, name: str) -> int:
@@ -128,15 +150,30 @@ def random_shapes(draw: Draw) -> list[dict[str, Any]]:
 
 
 def random_rules(draw: Draw, bodies: Bodies) -> dict[str, Any]:
-    """Return the `pairs` section: perhaps some pairs ignored, some of those checked after all."""
+    """Return the `pairs` section: some pairs ignored, or all but some; some checked after all; margins of their own."""
     names = sorted(bodies)
-    if not draw.chance(0.35):
-        return {}
-    one, other = draw.rng.choice(names, 2, replace=False).tolist()
-    rules: dict[str, Any] = {"ignore": [{"between": [one, other], "reason": "chosen by lot"}]}
     groups = sorted({group for body in bodies.values() for group in body.get("groups", ())})
-    if groups and draw.chance(0.5) and sum(name.startswith("body_") for name in names) > 1:
-        rules["ignore"].append({"between": [draw.pick(*groups), "body_*"], "reason": "a group and a glob"})
-    if draw.chance(0.3):
-        rules["check"] = [{"between": [one, draw.pick(*[name for name in names if name != one])]}]
+    rules: dict[str, Any] = {}
+    if draw.chance(0.15):
+        rules["default"] = "ignore"
+        rules["check"] = [{"between": [draw.pick(*names), "*"]}, {"between": two(draw, names)}]
+    elif draw.chance(0.35):
+        one, other = two(draw, names)
+        rules["ignore"] = [{"between": [one, other], "reason": "chosen by lot"}]
+        if groups and draw.chance(0.5) and sum(name.startswith("body_") for name in names) > 1:
+            rules["ignore"].append({"between": [draw.pick(*groups), "body_*"], "reason": "a group and a glob"})
+        if draw.chance(0.3):
+            rules["check"] = [{"between": [one, draw.pick(*[name for name in names if name != one])]}]
+    if draw.chance(0.4):
+        sides = [two(draw, names), [draw.pick(*names), "*"], [draw.pick(*names, *groups), "*_?"]]
+        chosen = draw.rng.permutation(3)[: int(draw.rng.integers(1, 4))]
+        sides = [sides[i] for i in chosen if not (sides[i][1] == "*_?" and not any(name[-2] == "_" for name in names))]
+        rules["margins"] = [{"between": side, "margin": draw.metres(random_margin(draw))} for side in sides]
+    elif draw.chance(0.1):
+        rules["margins"] = [{"between": ["*", "*"], "margin": 0}]
     return rules
+
+
+def two(draw: Draw, names: list[str]) -> list[str]:
+    """Return two different names."""
+    return draw.rng.choice(names, 2, replace=False).tolist()

@@ -19,6 +19,9 @@ from .rigid import METRES, FloatArray, inverse, rigid
 NANOSECOND = 1e-9
 """s: log times are rounded to this."""
 
+ROUNDINGS = 64.0
+"""By how many spacings of floats coordinates may be off."""
+
 Pair = tuple[str, str]
 
 POINT = Surface(np.zeros((1, 3, 3)), np.zeros(1), np.zeros((1, 3)), ())
@@ -35,25 +38,36 @@ class Truth:
 
     def __init__(self, path: Path) -> None:
         self.scene: dict[str, Any] = read_scene(path)
-        self.kinematics = Kinematics(self.scene)
+        self.kinematics = Kinematics(self.scene, path.parent)
         self.names = list(self.kinematics.bodies)
         self.start, self.end = float(self.scene["time"]["start"]), float(self.scene["time"]["end"])
         self.surfaces = {name: surface_of(self.scene, name, path.parent) for name in self.names}
         self._distances: dict[Pair, PairDistance] = {}
 
     @cached_property
+    def _reached(self) -> tuple[FloatArray, FloatArray]:
+        """Where each body's origin is at 50 instants, (bodies, 50, 3) m, and its extent, (bodies,) m."""
+        times = np.linspace(self.start, self.end, 50)
+        places = np.array([self.kinematics.world_from_body(name, times)[:, :3, 3] for name in self.names])
+        return places, np.array([self.surfaces[name].extent for name in self.names])
+
+    @cached_property
     def size(self) -> float:
         """The largest coordinate (m) that any body reaches, from 50 instants: what rounding errors scale with."""
-        times = np.linspace(self.start, self.end, 50)
-        places = {name: self.kinematics.world_from_body(name, times)[:, :3, 3] for name in self.names}
-        return max(
-            float(np.linalg.norm(places[name], axis=1).max()) + self.surfaces[name].extent for name in self.names
-        )
+        places, extents = self._reached
+        return float((np.linalg.norm(places, axis=2) + extents[:, None]).max())
+
+    @cached_property
+    def spread(self) -> float:
+        """The largest distance (m) that any body reaches from the middle of all, from 50 instants."""
+        places, extents = self._reached
+        middle = 0.5 * (places.min(axis=(0, 1)) + places.max(axis=(0, 1)))
+        return float((np.linalg.norm(places - middle, axis=2) + extents[:, None]).max())
 
     @property
     def tolerance(self) -> float:
-        """m: two correct programs may differ by this in a distance; 1e-9 relative, as the log is compared."""
-        return 1e-9 * (1.0 + self.size)
+        """m: two correct programs may differ by this in a distance: 1e-9 of the bodies, and rounding far from 0."""
+        return 1e-9 * (1.0 + self.spread) + ROUNDINGS * np.finfo(float).eps * self.size
 
     @property
     def sure_depth(self) -> float:
@@ -71,13 +85,13 @@ class Truth:
         return float(self.scene.get("settings", {}).get("contact_tolerance", 1e-6))
 
     def pairs(self) -> list[Pair]:
-        """Return every pair that must be watched: both with shapes, in relative motion, allowed by the rules."""
-        return [
-            (a, b)
-            for i, a in enumerate(self.names)
-            for b in self.names[i + 1 :]
-            if self.moves(a, b) and self.allows(a, b) and self.has_shapes(a) and self.has_shapes(b)
-        ]
+        """Return every pair to watch: with shapes, there at one time, in relative motion, allowed by the rules."""
+        return [(a, b) for i, a in enumerate(self.names) for b in self.names[i + 1 :] if self.may_meet(a, b)]
+
+    def may_meet(self, a: str, b: str) -> bool:
+        """Tell whether a pair must be watched."""
+        begin, end = self.interval(a, b)
+        return begin < end and self.moves(a, b) and self.allows(a, b) and self.has_shapes(a) and self.has_shapes(b)
 
     def has_shapes(self, name: str) -> bool:
         return len(self.surfaces[name].triangles) > 0
@@ -139,18 +153,40 @@ class Truth:
         world = self.kinematics.world_from_body(name, times)
         return PairDistance(self.surfaces[name], POINT).signed(inverse(world) @ rigid(None, points))
 
+    def chord_limit(self, a: str, b: str) -> float:
+        """Return the most (m) that what the tool measures of two bodies may be nearer than they are."""
+        return self.surfaces[a].chord_limit + self.surfaces[b].chord_limit
+
+    def slack(self, a: str, b: str) -> float:
+        """Return how far (m) the distance of two bodies may be below that of the meshes inside their round shapes."""
+        return sum(float(self.surfaces[name].slack.max(initial=0.0)) for name in (a, b))
+
     def blur(self, name: str, times: FloatArray) -> FloatArray:
         """Return (n,) m: how far points of a body move within 1 ns of times (n,), as logged times are rounded so."""
         before = self.kinematics.world_from_body(name, times - NANOSECOND)
         after = self.kinematics.world_from_body(name, times + NANOSECOND)
-        turned = np.linalg.norm(after[:, :3, :3] - before[:, :3, :3], axis=(1, 2))
-        moved = np.linalg.norm(after[:, :3, 3] - before[:, :3, 3], axis=1)
-        return moved + turned * self.surfaces[name].extent
+        return moved(before, after, self.surfaces[name].extent)
+
+    def pair_blur(self, a: str, b: str, times: FloatArray) -> FloatArray:
+        """Return (n,) m: how far points of b move in a's frame within 1 ns of times (n,)."""
+        poses = [self.kinematics.relative(a, b, times + shift) for shift in (-NANOSECOND, NANOSECOND)]
+        return moved(*poses, self.surfaces[b].extent)
+
+    def creep(self, a: str, b: str, times: FloatArray) -> FloatArray:
+        """Return (n,) m: the same to the one side of times (n,) to which they move less: no jump is spread."""
+        now = self.kinematics.relative(a, b, times)
+        poses = [self.kinematics.relative(a, b, times + shift) for shift in (-NANOSECOND, NANOSECOND)]
+        return np.minimum(*(moved(now, one, self.surfaces[b].extent) for one in poses))
 
     def steps(self, a: str, b: str, poses: FloatArray) -> FloatArray:
         """Return (n - 1,) m: how far, at most, points of b move in a's frame from each pose (n, 4, 4) to the next."""
-        turned = np.linalg.norm(np.diff(poses[:, :3, :3], axis=0), axis=(1, 2))
-        return np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1) + turned * self.surfaces[b].extent
+        return moved(poses[:-1], poses[1:], self.surfaces[b].extent)
+
+
+def moved(before: FloatArray, after: FloatArray, extent: float) -> FloatArray:
+    """Return (n,) m: how far, at most, points within `extent` m of the origin are moved from pose to pose (n, 4, 4)."""
+    turned = np.linalg.norm(after[:, :3, :3] - before[:, :3, :3], axis=(1, 2))
+    return np.linalg.norm(after[:, :3, 3] - before[:, :3, 3], axis=1) + turned * extent
 
 
 def seconds(message: Mapping[str, Any], epoch: int) -> float:

@@ -63,15 +63,16 @@ def camera(reach: Reach) -> Camera:
     return Camera(target @ axes, distance, phi, theta)
 
 
-def layout(reach: Reach, labelled: bool) -> bytes:
+def layout(reach: Reach, labelled: bool, crowded: bool = False) -> bytes:
     """Return the layout as JSON.
 
     Args:
         reach: what the camera must see.
         labelled: whether moving bodies bear their names.
+        crowded: whether there are bodies on /scene/boxes.
     """
     panels = {
-        "3D!scene": _scene_panel(reach, labelled),
+        "3D!scene": _scene_panel(reach, labelled, crowded),
         "Plot!distance": _plot_panel(),
         "StateTransitions!states": _states_panel(),
         "Table!pairs": {"topicPath": "/world.pairs"},
@@ -115,8 +116,11 @@ def _axes(phi: float, theta: float) -> FloatArray:
     return np.array((right, np.cross(right, forward), forward))
 
 
-def _scene_panel(reach: Reach, labelled: bool) -> dict[str, Any]:
+def _scene_panel(reach: Reach, labelled: bool, crowded: bool) -> dict[str, Any]:
     view = camera(reach)
+    topics: dict[str, Any] = {name: {"visible": True} for name in ("/scene/meshes", "/viz/clearance", "/viz/contacts")}
+    if crowded:
+        topics["/scene/boxes"] = {"visible": True, "showOutlines": False}  # white edges would hide their colours
     return {
         "cameraState": {
             "perspective": True,
@@ -141,7 +145,7 @@ def _scene_panel(reach: Reach, labelled: bool) -> dict[str, Any]:
             }
         },
         "transforms": {f"frame:{WORLD}": {"visible": False}},
-        "topics": {topic: {"visible": True} for topic in ("/scene/meshes", "/viz/clearance", "/viz/contacts")},
+        "topics": topics,
         "layers": {"grid": _grid(reach)},
         "publish": {},
     }

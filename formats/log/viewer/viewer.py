@@ -13,7 +13,7 @@ from google.protobuf.timestamp_pb2 import Timestamp
 from ....scheduler.chain import lineage, parents_first
 from ....scheduler.events import Collision, Nearness, PairKey, Phase, Snapshot, Verdict
 from ....scheduler.motions import Fixed
-from ....scheduler.scene import Scene
+from ....scheduler.scene import FloatArray, Scene
 from ....scheduler.snapshot import world_poses
 from .. import messages_pb2 as pb
 from ..chunks import Channel
@@ -27,6 +27,10 @@ from .wire import timestamp
 
 # Moving bodies. More of them do not bear their names, which would hide what they name.
 _MOST_LABELLED = 8
+
+# Moving bodies. The rest have no frame on /tf and no entity on /scene/meshes: Foxglove Studio goes through all frames
+# for every picture, and blocks for minutes where there are thousands.
+_MOST_FRAMES = 500
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +51,7 @@ class Viewer:
 
     Attributes:
         channels: all that it writes to.
-        boxed: how many bodies are drawn as boxes, for want of triangles.
+        remarks: what is not drawn as it is, in words.
         layout: the Foxglove layout that fits the scene, as JSON.
     """
 
@@ -59,11 +63,19 @@ class Viewer:
         self._bodies = bodies
         self._names = tuple(body.name for body in bodies)
         moving = [any(not isinstance(bodies[i].motion, Fixed) for i in lineage(bodies, k)) for k in range(len(bodies))]
-        self._frames = [index for index, moves in enumerate(moving) if moves]
+        self._frames = [index for index, moves in enumerate(moving) if moves][:_MOST_FRAMES]
         self._packer = self._packer_of(self._frames)
         self._poses_at_start = world_poses(bodies, parents_first(bodies), scene.start)
         drawings = Drawings(bodies)
-        self._entities = BodyEntities(bodies, moving, self._poses_at_start, drawings, options.triangles)
+        framed = set(self._frames)
+        self._entities = BodyEntities(
+            bodies,
+            moving,
+            [index in framed for index in range(len(bodies))],
+            self._poses_at_start,
+            drawings,
+            options.triangles,
+        )
         seen = reach(scene, drawings.outlines, moving)
         self._sizes = MarkerSizes(seen.size)
         self._meshes = Channel("/scene/meshes", SceneUpdate)
@@ -71,28 +83,49 @@ class Viewer:
         self._world = Channel("/world", pb.World)
         self._clearance = Channel("/viz/clearance", SceneUpdate)
         self._contacts = Channel("/viz/contacts", SceneUpdate)
-        self.channels = (self._meshes, self._tf, self._world, self._clearance, self._contacts)
-        self.boxed = self._entities.boxed
-        self.layout = layout(seen, labelled=len(self._frames) <= _MOST_LABELLED)
+        self.channels: tuple[Channel, ...] = (self._meshes, self._tf, self._world, self._clearance, self._contacts)
+        self._boxes = Channel("/scene/boxes", SceneUpdate)
+        crowded = self._entities.crowd is not None
+        if crowded:
+            self.channels += (self._boxes,)
+        self.remarks = self._remarks()
+        self.layout = layout(seen, labelled=len(self._frames) <= _MOST_LABELLED, crowded=crowded)
 
     def opening(self, log_time: int) -> Iterator[tuple[Channel, bytes]]:
         """Yield the bodies and where they are at the start, `log_time` in ns: without ticks, all that is known."""
         yield self._meshes, self._entities.all(timestamp(log_time))
-        if self._frames:
-            yield self._tf, self._packer.pack(timestamp(log_time), self._poses_at_start[self._frames])
+        yield from self._placed(self._poses_at_start, timestamp(log_time))
 
     def shown(self, snapshot: Snapshot, log_time: int) -> Iterator[tuple[Channel, bytes]]:
         """Yield what a snapshot shows, at `log_time` in ns."""
         stamp = timestamp(log_time)
         if snapshot.occasion is not None:
             frames = self._frames_of(snapshot.occasion.pair)
-            yield self._tf, self._packer_of(frames).pack(stamp, snapshot.poses[frames])
-        elif self._frames and snapshot.time != self._start:  # the opening told where all is at the start
-            yield self._tf, self._packer.pack(stamp, snapshot.poses[self._frames])
+            if frames:
+                yield self._tf, self._packer_of(frames).pack(stamp, snapshot.poses[frames])
+        elif snapshot.time != self._start:  # the opening told where all is at the start
+            yield from self._placed(snapshot.poses, stamp)
         yield self._world, self._told(snapshot, stamp)
         apart = (near for near in snapshot.nearest[: self._options.pairs] if 0.0 < near.distance < self._sizes.farthest)
         yield self._clearance, clearances(((self._pair_name(near.pair), near) for near in apart), self._sizes, stamp)
         yield self._contacts, self._touching(snapshot, stamp)
+
+    def _placed(self, poses: FloatArray, stamp: Timestamp) -> Iterator[tuple[Channel, bytes]]:
+        """Yield where all that moves is, given every body's pose (n, 4, 4) in the world."""
+        if self._frames:
+            yield self._tf, self._packer.pack(stamp, poses[self._frames])
+        if self._entities.crowd is not None:
+            yield self._boxes, self._entities.crowd.update(stamp, poses)
+
+    def _remarks(self) -> list[str]:
+        remarks = []
+        if self._entities.boxed:
+            drawn = f"{self._entities.boxed} bodies are drawn as boxes"
+            remarks.append(f"{drawn}: --viz-triangles is too low to show all")
+        if self._entities.crowd is not None:
+            drawn = f"{len(self._entities.crowd)} moving bodies are drawn as boxes on {self._boxes.name}"
+            remarks.append(f"{drawn}, without frames on {self._tf.name}: viewers cannot bear more than {_MOST_FRAMES}")
+        return remarks
 
     def _told(self, snapshot: Snapshot, stamp: Timestamp) -> bytes:
         world = pb.World(timestamp=stamp, min_distance=nan, contacts=snapshot.contacts)

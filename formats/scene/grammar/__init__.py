@@ -1,0 +1,1 @@
+"""The grammar of a native scene: what may be written where."""

@@ -1,0 +1,34 @@
+"""What every mapping of the scene file shares: how numbers, sizes and directions are written."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+
+from ..limits import LARGEST_NUMBER, SMALLEST_NUMBER, SMALLEST_SIZE
+
+
+def _without_residue(value: float) -> float:
+    return value if abs(value) >= SMALLEST_NUMBER else 0.0
+
+
+Number = Annotated[float, Field(ge=-LARGEST_NUMBER, le=LARGEST_NUMBER), AfterValidator(_without_residue)]
+Size = Annotated[float, Field(ge=SMALLEST_SIZE, le=LARGEST_NUMBER)]
+Margin = Annotated[float, Field(ge=0.0, le=LARGEST_NUMBER), AfterValidator(_without_residue)]
+Vector = tuple[Number, Number, Number]
+Quaternion = tuple[Number, Number, Number, Number]
+LengthUnit = Literal["m", "cm", "mm", "in", "ft"]
+
+ORIGIN: Vector = (0.0, 0.0, 0.0)
+
+
+class Part(BaseModel):
+    """A mapping of the scene file.
+
+    Attributes:
+        later_values: by key, values of the format that this version does not read yet.
+    """
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
+    later_values: ClassVar[dict[str, frozenset[str]]] = {}

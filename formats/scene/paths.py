@@ -1,0 +1,230 @@
+"""Paths given by poses at times: keyframes written in the scene, and trajectory files."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from ...scheduler.motions import Fixed, Keyframes, Looped, Motion, Translation
+from ...scheduler.scene import FloatArray, Interval
+from .document import Findings
+from .errors import Where, printable, quoted
+from .folder import Folder, FolderError
+from .grammar.motions import FileMotion, Key, KeyframesMotion, PathMotion
+from .limits import AMBIGUOUS_TURN, WIDE_TURN
+from .loaded import InputFile, KeyNames
+from .names import name_problem, normal
+from .poses import placement
+from .trajectories import LARGEST_TRAJECTORY, Trajectory, TrajectoryError, read_trajectory
+from .units import Scale, metres_of
+
+_TRANSLATIONS = {"linear": Translation.LINEAR, "cubic": Translation.CUBIC, "step": Translation.STEP}
+
+
+class PathReader:
+    """Reads the paths of one scene.
+
+    Attributes:
+        files: the trajectory files, by the body that moves so.
+        key_names: the named keys, by the body that moves by them.
+    """
+
+    def __init__(self, folder: Folder, scale: Scale, findings: Findings, least_period: float) -> None:
+        """Take where files may lie, the scene's units, what takes the faults, and how short (s) a loop may be."""
+        self._folder = folder
+        self._scale = scale
+        self._findings = findings
+        self._least_period = least_period
+        self.files: list[InputFile] = []
+        self.key_names: dict[str, KeyNames] = {}
+
+    def keyframes(self, part: KeyframesMotion, body: str, needed: Interval) -> Motion:
+        """Return the path through the keys; Fixed, with the faults recorded, if anything is wrong."""
+        where: Where = ("bodies", body, "motion")
+        keys = (*where, "keys")
+        faults_before = len(self._findings.faults)
+        _check_order(part.keys, keys, self._findings)
+        times = np.array([key.t for key in part.keys]) + part.t0
+        if len(self._findings.faults) == faults_before:
+            ends = [(*keys, 0, "t"), (*keys, len(part.keys) - 1, "t")]
+            self._check_times(part, times, needed, ends, where)
+        velocities = self._velocities(part, keys)
+        placements = [placement(key, (*keys, i), self._scale, self._findings) for i, key in enumerate(part.keys)]
+        names = self._names(part.keys, keys)
+        if len(self._findings.faults) > faults_before:
+            return Fixed()
+        quaternions = np.array([place.quaternion for place in placements])
+        if part.interpolation.rotation == "slerp":
+            _warn_of_wide_turns(quaternions, keys, self._findings)
+        if names:
+            self._keep_names(part, body, times, names)
+        translations = np.array([place.translation for place in placements])
+        return _path(part, times, translations, quaternions, velocities)
+
+    def trajectory(self, part: FileMotion, body: str, needed: Interval) -> Motion:
+        """Return the path through a file's poses; Fixed, with the faults recorded, if anything is wrong."""
+        where: Where = ("bodies", body, "motion")
+        faults_before = len(self._findings.faults)
+        if part.layout == "tum" and part.units is not None:
+            self._findings.fault((*where, "units"), "the tum layout is in m, leave the key out")
+        trajectory = self._read(part, body, where)
+        if trajectory is None:
+            return Fixed()
+        times = trajectory.times + part.t0
+        shown = printable(part.file)
+        self._check_times(part, times, needed, [(*where, "file")] * 2, where)
+        if len(self._findings.faults) > faults_before:
+            return Fixed()
+        for warning in trajectory.warnings:
+            self._findings.warn((*where, "file"), f"{shown}: {warning}")
+        translations = metres_of(trajectory.translations, part.units or self._length_unit(part))
+        return _path(part, times, translations, trajectory.quaternions, None)
+
+    def _length_unit(self, part: FileMotion) -> str:
+        return "m" if part.layout == "tum" else self._scale.length_unit
+
+    def _read(self, part: FileMotion, body: str, where: Where) -> Trajectory | None:
+        """Return what a trajectory file holds, its times from the origin that the scene wants."""
+        shown = printable(part.file)
+        try:
+            path = self._folder.found(part.file)
+            data = _file_bytes(path)
+            trajectory = read_trajectory(data, part.layout, part.max_gap, self._scale.angle(1.0))
+        except FolderError as error:
+            self._findings.fault((*where, "file"), error.message)
+            return None
+        except OSError as error:
+            self._findings.fault((*where, "file"), f"{shown}: the file cannot be read: {error.strerror or error}")
+            return None
+        except TrajectoryError as error:
+            line = "" if error.line is None else f":{error.line}"
+            self._findings.fault((*where, "file"), f"{shown}{line}: {error.message}")
+            return None
+        self.files.append(InputFile(normal(body), path, hashlib.sha256(data).hexdigest()))
+        return trajectory.shifted_to_first() if part.time_origin == "first" else trajectory
+
+    def _check_times(
+        self, part: PathMotion, times: FloatArray, needed: Interval, ends: Sequence[Where], where: Where
+    ) -> None:
+        """Record a fault where the poses end before they may."""
+        if not np.all(np.diff(times) > 0.0):
+            problem = f"times so near to each other are equal once {quoted(part.t0)} s is added"
+            self._findings.fault((*where, "t0"), problem)
+        first, last = float(times[0]), float(times[-1])
+        begin, end = needed
+        remedy = "or say before: hold or loop"
+        if first > begin and part.before == "error":
+            problem = f"expected the first pose at {quoted(begin)} s or before, {remedy}"
+            self._findings.fault(ends[0], f"{problem}, got {quoted(first)} s")
+        if last < end and part.after == "error":
+            problem = f"expected the last pose at {quoted(end)} s or after, {remedy.replace('before', 'after')}"
+            self._findings.fault(ends[1], f"{problem}, got {quoted(last)} s")
+        for side in ("before", "after"):
+            if getattr(part, side) == "loop":
+                self._check_loop(times, (*where, side))
+
+    def _check_loop(self, times: FloatArray, where: Where) -> None:
+        period = float(times[-1] - times[0])
+        if len(times) < 2:
+            self._findings.fault(where, "one pose cannot be repeated, expected two or more, or hold")
+        elif period < self._least_period:
+            problem = f"poses over {period:.6g} s are too short a loop for the scene's time"
+            self._findings.fault(where, f"{problem}, expected at least {self._least_period:.6g} s")
+
+    def _velocities(self, part: KeyframesMotion, where: Where) -> FloatArray | None:
+        """Return the keys' velocities (n, 3) m/s, None where they have none."""
+        given = [i for i, key in enumerate(part.keys) if key.velocity is not None]
+        if not given:
+            return None
+        if part.interpolation.translation != "cubic":
+            problem = "a key's velocity needs interpolation: {translation: cubic}, or leave it out"
+            self._findings.fault((*where, given[0], "velocity"), problem)
+        elif len(given) < len(part.keys):
+            missing = next(i for i, key in enumerate(part.keys) if key.velocity is None)
+            problem = f"expected a velocity at every key or at none, key {missing} has none"
+            self._findings.fault((*where, given[0], "velocity"), problem)
+        return np.array([self._scale.lengths(key.velocity or (0.0, 0.0, 0.0)) for key in part.keys])
+
+    def _names(self, keys: tuple[Key, ...], where: Where) -> list[tuple[int, str]]:
+        """Return the keys that have a name, by index."""
+        named = [(i, normal(key.name)) for i, key in enumerate(keys) if key.name is not None]
+        for i, name in named:
+            problem = name_problem(name)
+            if problem:
+                self._findings.fault((*where, i, "name"), problem)
+        return named
+
+    def _keep_names(self, part: PathMotion, body: str, times: FloatArray, names: list[tuple[int, str]]) -> None:
+        self.key_names[normal(body)] = KeyNames(
+            times=tuple(float(times[i]) for i, _ in names),
+            names=tuple(name for _, name in names),
+            first=float(times[0]),
+            last=float(times[-1]),
+            before=part.before == "loop",
+            after=part.after == "loop",
+        )
+
+
+def _file_bytes(path: Path) -> bytes:
+    """Return the bytes of a trajectory file; pipes and devices, which may never end, are none.
+
+    Raises:
+        OSError, TrajectoryError: it cannot be read, or is too large.
+    """
+    if path.exists() and not path.is_file():
+        raise TrajectoryError("expected a file")
+    size = path.stat().st_size
+    if size > LARGEST_TRAJECTORY:
+        raise TrajectoryError(f"the file has {size} bytes, expected up to {LARGEST_TRAJECTORY}")
+    return path.read_bytes()
+
+
+def _path(
+    part: PathMotion,
+    times: FloatArray,
+    translations: FloatArray,
+    quaternions: FloatArray,
+    velocities: FloatArray | None,
+) -> Motion:
+    keys = Keyframes(
+        times=_read_only(times),
+        translations=_read_only(translations),
+        quaternions=_read_only(quaternions),
+        translation=_TRANSLATIONS[part.interpolation.translation],
+        step_rotation=part.interpolation.rotation == "step",
+        key_velocities=None if velocities is None else _read_only(velocities),
+    )
+    before, after = part.before == "loop", part.after == "loop"
+    return Looped(keys, before, after) if before or after else keys
+
+
+def _check_order(keys: tuple[Key, ...], where: Where, findings: Findings) -> None:
+    for i, (before, after) in enumerate(pairwise(keys), start=1):
+        if after.t == before.t:
+            findings.fault((*where, i, "t"), f"two keys at {quoted(after.t)} s, expected one pose at a time")
+        elif after.t < before.t:
+            problem = f"expected a time after the key before it ({quoted(before.t)} s), got {quoted(after.t)} s"
+            findings.fault((*where, i, "t"), problem)
+
+
+def _warn_of_wide_turns(quaternions: FloatArray, where: Where, findings: Findings) -> None:
+    """Warn where slerp's way between two keys may not be the one that was meant."""
+    one, other = quaternions[:-1], quaternions[1:]
+    near, far = np.linalg.norm(other - one, axis=1), np.linalg.norm(other + one, axis=1)
+    angles = 4.0 * np.arctan2(np.minimum(near, far), np.maximum(near, far))
+    for i in np.flatnonzero(angles > math.radians(WIDE_TURN)):
+        between = f"keys {i} and {i + 1} are {math.degrees(angles[i]):.1f} degrees apart"
+        if angles[i] > math.pi - AMBIGUOUS_TURN:
+            findings.warn((*where, int(i) + 1), f"{between}: which way round is ambiguous, add a key between")
+        else:
+            findings.warn((*where, int(i) + 1), f"{between}: the shorter way is taken, is a key missing?")
+
+
+def _read_only(array: FloatArray) -> FloatArray:
+    array.flags.writeable = False
+    return array

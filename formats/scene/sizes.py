@@ -1,0 +1,85 @@
+"""Warnings of sizes that look like a mistaken unit, and of places too far away for the sizes that are there."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...scheduler.chain import parents_first
+from ...scheduler.scene import FloatArray, Mesh, Scene
+from ...scheduler.snapshot import world_poses
+from .document import Findings
+from .errors import Where, quoted
+from .limits import COARSE_PLACE, UNLIKELY_RATIO
+
+
+def warn_of_sizes(scene: Scene, names: tuple[str, ...], findings: Findings) -> None:
+    """Warn where bodies differ in size, or lie so far from the origin, as only a wrong unit would explain.
+
+    Each is told once, of the worst body: what is wrong with one is often wrong with thousands.
+
+    Args:
+        scene: in SI.
+        names: of its bodies, as written.
+        findings: takes the warnings.
+    """
+    boxes = {shape.mesh: _box(shape.mesh) for body in scene.bodies for shape in body.shapes}
+    sized = {
+        index: [(boxes[shape.mesh][1] + 2.0 * shape.radius, shape) for shape in body.shapes]
+        for index, body in enumerate(scene.bodies)
+    }
+    # A mesh whose corners are all one point has no size that could tell anything.
+    shapes = {index: those for index, own in sized.items() if (those := [one for one in own if one[0] > 0.0])}
+    if not shapes:
+        return
+    _warn_of_ratio({index: max(size for size, _ in own) for index, own in shapes.items()}, names, findings)
+    centres = {
+        index: np.array([(shape.pose @ boxes[shape.mesh][0])[:3] for _, shape in own]) for index, own in shapes.items()
+    }
+    distances = _distances(scene, centres)
+    features = {index: min(size for size, _ in own) for index, own in shapes.items()}
+    _warn_of_places(distances, features, names, findings)
+
+
+def _warn_of_ratio(sizes: dict[int, float], names: tuple[str, ...], findings: Findings) -> None:
+    """Warn if one of the sizes (m) of bodies is so much less than another."""
+    small, large = min(sizes, key=sizes.__getitem__), max(sizes, key=sizes.__getitem__)
+    if sizes[large] > UNLIKELY_RATIO * sizes[small]:
+        than = f"{quoted(names[large])} ({sizes[large]:.3g} m)"
+        problem = f"is {sizes[small]:.3g} m in size, {sizes[large] / sizes[small]:.3g} times smaller than {than}"
+        findings.warn(_shapes(names[small]), f"{problem}: is a unit wrong, mm for m?")
+
+
+def _warn_of_places(
+    distances: dict[int, float], features: dict[int, float], names: tuple[str, ...], findings: Findings
+) -> None:
+    """Warn if a body's distance (m) is so much more than its smallest feature (m)."""
+    ratios = {index: distance / features[index] for index, distance in distances.items()}
+    coarse = [index for index, ratio in ratios.items() if ratio > COARSE_PLACE]
+    if not coarse:
+        return
+    worst = max(coarse, key=ratios.__getitem__)
+    problem = f"lies {distances[worst]:.3g} m from the origin, {ratios[worst]:.3g} times its smallest shape"
+    others = f" (and {len(coarse) - 1} more bodies)" if len(coarse) > 1 else ""
+    findings.warn(_shapes(names[worst]), f"{problem}: rounding may show, move the origin{others}")
+
+
+def _distances(scene: Scene, centres: dict[int, FloatArray]) -> dict[int, float]:
+    """Return how far (m) from the world's origin a shape's centre gets, by body, at the scene's start and end."""
+    order = parents_first(scene.bodies)
+    poses = [world_poses(scene.bodies, order, time) for time in (scene.start, scene.end)]
+    return {
+        index: max(
+            float(np.linalg.norm(own @ world[index, :3, :3].T + world[index, :3, 3], axis=1).max()) for world in poses
+        )
+        for index, own in centres.items()
+    }
+
+
+def _shapes(name: str) -> Where:
+    return ("bodies", name, "shapes")
+
+
+def _box(mesh: Mesh) -> tuple[FloatArray, float]:
+    """Return the centre (x, y, z, 1) and the longest side (m) of a mesh's bounding box."""
+    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    return np.append(low + 0.5 * (high - low), 1.0), float((high - low).max())

@@ -1,0 +1,62 @@
+"""A motion that runs on a clock of its own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..rotation import FloatArray
+from ..vector import Vector
+from .base import Axis, Motion, Rates, Reach, Smooth
+
+
+@dataclass(frozen=True, slots=True)
+class Delayed(Smooth):
+    """pose(t) = motion.pose(t - delay), for motions without knots; those with knots have their times moved instead.
+
+    Attributes:
+        motion: a `Smooth` one.
+        delay: s, the scene time at which the motion's own clock stands at 0.
+    """
+
+    motion: Motion
+    delay: float
+
+    def __post_init__(self) -> None:
+        """Hold to the contract: rounded clocks could not agree on the knots."""
+        assert isinstance(self.motion, Smooth)
+
+    @property
+    def axis(self) -> Axis | None:
+        """The motion's own."""
+        return self.motion.axis
+
+    def pose(self, t: float) -> FloatArray:
+        """Return rest_from_moved, 4x4."""
+        return self.motion.pose(t - self.delay)
+
+    def displacement(self, t: float, duration: float, reach: Reach) -> float:
+        """Return the motion's bound at its own time."""
+        return self.motion.displacement(t - self.delay, duration, reach)
+
+    def path_length(self, t: float, duration: float, reach: Reach) -> float:
+        """Return the motion's bound at its own time."""
+        return self.motion.path_length(t - self.delay, duration, reach)
+
+    def velocities(self, t: float) -> tuple[Vector, Vector]:
+        """Return the motion's at its own time."""
+        return self.motion.velocities(t - self.delay)
+
+    def rates(self, t: float, duration: float) -> Rates:
+        """Return the motion's at its own time."""
+        return self.motion.rates(t - self.delay, duration)
+
+    def extent(self, latest: float) -> float:
+        """Return the motion's, for the farthest that its own clock gets from 0."""
+        return self.motion.extent(latest + abs(self.delay))
+
+    def rounding_scale(self, latest: float, radius: float) -> float:
+        """The motion's own, and the way that any point goes in the time that t - delay is rounded by."""
+        farthest = latest + abs(self.delay)
+        rates = self.motion.rates(-latest - self.delay, 2.0 * latest)
+        speed = rates.speed + rates.angular_speed * radius
+        return self.motion.rounding_scale(farthest, radius) + speed * farthest

@@ -1,0 +1,60 @@
+"""What is certain of the time after a measurement: the cheap bounds first, directions where they pay."""
+
+from __future__ import annotations
+
+from .bounds import shortened
+from .directional import Slabs
+from .events import Bound
+from .pair import Measurement, Pair
+from .relative import Proof
+
+#: The directional bound is asked where the others allow fewer than this many steps of the floor.
+STEPS_TOO_FEW = 16.0
+#: It looks this many times as far ahead as they do: farther, more triangles are within reach.
+LOOKAHEAD = 16.0
+
+
+class Outlook:
+    """The bounds that hold from one measurement of a pair on."""
+
+    def __init__(self, pair: Pair, measurement: Measurement) -> None:
+        """Look ahead from a measurement, of bodies apart."""
+        self._pair = pair
+        self._measurement = measurement
+        self._slabs: Slabs | None = None
+        self._looked = 0.0  # s ahead
+
+    def sleep(self, horizon: float, floor: float) -> tuple[float, Bound]:
+        """Return the longest sleep (s, <= horizon) for which the standing is proved, and the bound that allows it.
+
+        Args:
+            horizon: s, the longest sleep of interest, before the next stop.
+            floor: s, the least step that will be taken.
+        """
+        here = self._measurement
+        sleep, bound = self._pair.motion.sleep(here.moments, here.time, here.spare, horizon)
+        if sleep >= min(horizon, STEPS_TOO_FEW * floor):
+            return sleep, bound
+        slabs = self._look(min(horizon, LOOKAHEAD * max(sleep, floor)))
+        farther = 0.0 if slabs is None else shortened(here.time, slabs.sleep(here.keeps))
+        return (farther, Bound.DIRECTIONAL) if farther > sleep else (sleep, bound)
+
+    def proof(self, after: Measurement) -> Proof:
+        """Return what is certain of the time until a later measurement; no jump lies between."""
+        here, motion = self._measurement, self._pair.motion
+        duration = after.time - here.time
+        proof = motion.proof(here.moments, here.clearance, duration, after.clearance)
+        if self._slabs is None and proof.clearance <= here.keeps:
+            self._look(duration)
+        if self._slabs is None:
+            return proof
+        parted = self._slabs.clearance(duration, motion.displacement(here.moments, duration))
+        return Proof(max(proof.clearance, min(parted, here.clearance)), proof.depth_limit)
+
+    def _look(self, duration: float) -> Slabs | None:
+        """Return the slabs for the next `duration` s; None where only spheres were measured, or for too many."""
+        here = self._measurement
+        if here.proximity is not None and duration > self._looked:
+            self._slabs = self._pair.slabs(here, duration, here.keeps)
+            self._looked = duration
+        return self._slabs

@@ -1,0 +1,99 @@
+"""Checks of what is told of all pairs together: snapshots of the world, and the summary."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from .logs import Log
+from .sampling import Effort
+from .truth import Pair, Truth, seconds
+
+Values = dict[str, Any]
+
+WORST_FIRST = ("CONTACT", "BREACH", "UNRESOLVED", "POSSIBLE", "CLEAR")
+
+
+def summary_of(log: Log) -> Values | None:
+    """Return the summary that the log carries, None if it has none."""
+    text = log.attachments.get("summary.json")
+    return None if text is None else json.loads(text)
+
+
+def stated_chords(log: Log) -> dict[str, float]:
+    """Return by pair how far (m) what was measured stands out from its round shapes, where the summary says so."""
+    summary = summary_of(log) or {"pairs": []}
+    return {pair["pair"]: pair["chord_error"] for pair in summary["pairs"]}
+
+
+def check_summary(truth: Truth, log: Log) -> Iterable[str]:
+    """The summary repeats the log's spans, states small chord errors, and ranges that hold the true least distance."""
+    summary = summary_of(log)
+    if summary is None:
+        return
+    spans, collisions = log.by_pair("spans"), log.by_pair("collisions")
+    watched = {f"{a}|{b}": (a, b) for a, b in truth.pairs()}
+    if summary["pairs_total"] != len(watched):
+        yield f"summary: {summary['pairs_total']} pairs, truly {len(watched)}"
+    for told in summary["pairs"]:
+        name = told["pair"]
+        if name not in watched:
+            yield f"summary: no such pair to watch: {name}"
+            continue
+        verdicts = {span["verdict"] for span in spans.get(name, ())}
+        worst = next((verdict for verdict in WORST_FIRST if verdict in verdicts), "UNRESOLVED")
+        if any(event["phase"] == "BEGIN" for event in collisions.get(name, ())):
+            worst = "CONTACT"
+        if told["verdict"] != worst.lower():
+            yield f"summary: {name} is {told['verdict']}, its spans say {worst}"
+        yield from check_range(truth, watched[name], told)
+
+
+def check_range(truth: Truth, pair: Pair, told: Values) -> Iterable[str]:
+    """A pair's least distance: its lower end is not above the truth, its upper end not below it, at its time."""
+    limit, chord = truth.chord_limit(*pair), told["chord_error"]
+    if not 0.0 <= chord <= limit * (1.0 + 1e-9):
+        yield f"summary: {told['pair']} has chord error {chord} m, at most {limit} can be"
+    lower, upper, time = (told["distance"][key] for key in ("lower", "upper", "time"))
+    if upper is None:
+        return
+    times = np.array([time])
+    true = max(0.0, float(truth.signed(*pair, times)[0]))
+    allowed = truth.tolerance + float(truth.creep(*pair, times)[0])
+    if not lower <= true + allowed or not true - allowed <= upper <= true + chord + allowed:
+        yield f"summary: {told['pair']} is {true} m apart at {time} s, told are {lower} to {upper}, chord {chord}"
+
+
+def check_world(truth: Truth, log: Log, effort: Effort, epoch: int, chords: Mapping[str, float]) -> Iterable[str]:
+    """Snapshots tell the nearest pairs of those that exist, at their true distances."""
+    rng = np.random.default_rng(effort.seed)
+    messages = log.of("world")
+    pairs = truth.pairs()
+    for message in (messages[i] for i in rng.permutation(len(messages))[: effort.messages // 10]):
+        time = seconds(message, epoch)
+        times = np.array([time])
+        least = np.inf
+        told = {one["pair"]: one for one in message["pairs"]}
+        for pair in pairs:
+            begin, end = truth.interval(*pair)
+            name = "|".join(pair)
+            one = told.pop(name, None)
+            if not begin < time < end:
+                if one is not None and not begin - 1e-9 <= time <= end + 1e-9:
+                    yield f"/world at {time} s: {name} exists from {begin} to {end} s"
+                continue
+            chord = min(chords.get(name, np.inf), truth.chord_limit(*pair))
+            true = max(0.0, float(truth.signed(*pair, times)[0]))
+            allowed = truth.tolerance + float(truth.pair_blur(*pair, times)[0])
+            least = min(least, true + allowed)
+            if one is None or one["verdict"] == "CONTACT":  # contacts read 0 up to the clear end of their brackets
+                continue
+            if not true - allowed - chord <= one["distance"] <= true + allowed:
+                yield f"/world at {time} s: {name} at {one['distance']} m is truly at {true}"
+        for name in told:
+            yield f"/world at {time} s: no such pair to watch: {name}"
+        if np.isfinite(least) and not message["min_distance"] <= least:
+            yield f"/world at {time} s: least distance {message['min_distance']}, some pair has {least}"

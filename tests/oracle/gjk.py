@@ -1,0 +1,126 @@
+"""Distances of convex sets given by their support functions (Gilbert, Johnson and Keerthi, 1988), many at once.
+
+Whatever rounding does, a distance found is one of two actual points of the sets, so that none is too small.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .rigid import FloatArray, IntArray
+
+Support = Callable[[FloatArray, IntArray], FloatArray]
+"""From directions (n, 3) and the numbers (n,) of the sets they are asked of, to the farthest points (n, 3)."""
+
+STEPS = 80
+ACCURACY = 1e-12
+"""Relative to (1 m + the distance): a lower bound this near to the distance ends the search."""
+
+SUBSETS = [list(one) for size in (1, 2, 3, 4) for one in combinations(range(4), size)]
+
+
+def distances(support_a: Support, support_b: Support, count: int, start: FloatArray) -> FloatArray:
+    """Return (n,) m: the distance of each of `count` pairs of sets, or minus a depth where they overlap.
+
+    Args:
+        support_a, support_b: of the sets a and b.
+        count: how many.
+        start: (n, 3) m, any point of a less any point of b.
+    """
+    out = np.full(count, np.inf)
+    items = np.arange(count)
+    corners = np.zeros((count, 4, 3))
+    corners[:, 0] = start
+    held = np.zeros((count, 4), dtype=bool)
+    held[:, 0] = True
+    v = start.copy()
+    lower = np.full(count, -np.inf)
+    for _ in range(STEPS):
+        length = np.linalg.norm(v, axis=1)
+        out[items] = np.minimum(out[items], length)
+        w = support_a(-v, items) - support_b(v, items)
+        np.maximum(lower, dot(v, w) / np.maximum(length, 1e-300), out=lower)
+        open_ = (length - lower > ACCURACY * (1.0 + length)) & (length > 0.0)
+        open_ &= ~(corners == w[:, None]).all(axis=2).any(axis=1)
+        items, corners, held, lower, w = items[open_], corners[open_], held[open_], lower[open_], w[open_]
+        if not len(items):
+            return out
+        free = (~held).argmax(axis=1)
+        rows = np.arange(len(items))
+        corners[rows, free], held[rows, free] = w, True
+        v, held = nearest_to_origin(corners, held)
+        full = held.all(axis=1)
+        if full.any():
+            out[items[full]] = -depths(corners[full])
+            keep = ~full
+            items, corners, held, lower, v = items[keep], corners[keep], held[keep], lower[keep], v[keep]
+    return out
+
+
+def nearest_to_origin(corners: FloatArray, held: NDArray[np.bool_]) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Return the point (n, 3) of each simplex nearest to the origin, and which corners (n, 4) it needs.
+
+    Args:
+        corners: (n, 4, 3).
+        held: (n, 4), those that are in use; at least one each. All four: the origin is inside.
+    """
+    best = np.full(len(corners), np.inf)
+    point = np.zeros((len(corners), 3))
+    used = np.zeros_like(held)
+    for subset in SUBSETS:
+        rows = np.flatnonzero(held[:, subset].all(axis=1))
+        if not len(rows):
+            continue
+        shares = barycentric(corners[rows][:, subset])
+        inside = (shares >= 0.0).all(axis=1) & np.isfinite(shares).all(axis=1)
+        rows, shares = rows[inside], shares[inside]
+        found = np.einsum("nk,nkx->nx", shares, corners[rows][:, subset])
+        square = dot(found, found)
+        if len(subset) == 4:
+            square[:] = 0.0
+        better = square < best[rows]
+        rows = rows[better]
+        best[rows], point[rows] = square[better], found[better]
+        used[rows] = False
+        used[np.ix_(rows, subset)] = True
+    return point, used
+
+
+def barycentric(corners: FloatArray) -> FloatArray:
+    """Return (n, k) shares that sum to 1: of the point nearest to the origin in the affine hull of (n, k, 3)."""
+    n, k, _ = corners.shape
+    if k == 1:
+        return np.ones((n, 1))
+    base, edges = corners[:, 0], corners[:, 1:] - corners[:, :1]
+    with np.errstate(all="ignore"):
+        if k == 2:
+            rest = -(dot(edges[:, 0], base) / dot(edges[:, 0], edges[:, 0]))[:, None]
+        elif k == 3:
+            one, other = edges[:, 0], edges[:, 1]
+            normal = np.cross(one, other)
+            parts = (np.cross(other, base), np.cross(base, one))
+            rest = np.stack([dot(part, normal) for part in parts], axis=1) / dot(normal, normal)[:, None]
+        else:
+            a, b, c = (edges[:, i] for i in range(3))
+            parts = (np.cross(b, c), np.cross(c, a), np.cross(a, b))
+            rest = -np.stack([dot(base, part) for part in parts], axis=1) / dot(a, parts[0])[:, None]
+    return np.column_stack([1.0 - rest.sum(axis=1), rest])
+
+
+def dot(a: FloatArray, b: FloatArray) -> FloatArray:
+    return np.einsum("nx,nx->n", a, b)
+
+
+def depths(corners: FloatArray) -> FloatArray:
+    """Return (n,) m: how deep the origin lies inside tetrahedra (n, 4, 3)."""
+    found = []
+    for face in combinations(range(4), 3):
+        a, b, c = (corners[:, i] for i in face)
+        normal = np.cross(b - a, c - a)
+        length = np.maximum(np.linalg.norm(normal, axis=1), 1e-300)
+        found.append(np.abs(dot(normal, a)) / length)
+    return np.min(found, axis=0)

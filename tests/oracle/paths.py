@@ -1,0 +1,177 @@
+"""Motions along poses at times: keyframes, and trajectory files read from scratch."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from .motions import Spec, Units
+from .rigid import METRES, FloatArray, IntArray, numbers, pose_of, rigid
+
+PATHS = ("keyframes", "file")
+
+
+@dataclass(frozen=True, eq=False)
+class KeyPath:
+    """Poses at times, and what happens between and outside of them.
+
+    Attributes:
+        times: (n,) scene s.
+        poses: (n, 4, 4).
+        velocities: (n, 3) m/s at the keys, None if they are not stated.
+        translation: linear, cubic or step.
+        rotation: slerp or step.
+        before, after: error, hold or loop.
+        names: of the keys, "" for none.
+    """
+
+    times: FloatArray
+    poses: FloatArray
+    velocities: FloatArray | None
+    translation: str
+    rotation: str
+    before: str
+    after: str
+    names: tuple[str, ...]
+
+    def at(self, t: FloatArray) -> FloatArray:
+        """Return (n, 4, 4) at times (n,): step holds the last key at or before t, else it blends towards the next."""
+        at, poses, t = self.times, self.poses, self.wrapped(t)
+        now = np.clip(np.searchsorted(at, t, side="right") - 1, 0, len(at) - 1)
+        left = np.minimum(now, max(len(at) - 2, 0))
+        right = np.minimum(left + 1, len(at) - 1)
+        length = np.where(right > left, at[right] - at[left], 1.0)
+        part = (t - at[left]) / length
+        places = poses[:, :3, 3]
+        if self.translation == "step":
+            translation = places[now]
+        elif self.translation == "cubic":
+            translation = hermite(places, self.tangents(), left, right, part, length)
+        else:
+            translation = places[left] + part[:, None] * (places[right] - places[left])
+        rotation = poses[now, :3, :3] if self.rotation == "step" else slerp(poses[:, :3, :3], left, right, part)
+        return rigid(rotation, translation)
+
+    def wrapped(self, t: FloatArray) -> FloatArray:
+        """Bring times to where the keys are: looped where so stated, else held; the last key loops to the first."""
+        first, last = self.times[0], self.times[-1]
+        span = last - first
+        looped = first + np.mod(t - first, span) if span > 0.0 else np.full_like(t, first)
+        looped = np.minimum(looped, np.nextafter(last, first))
+        t = np.where((t < first) & (self.before == "loop"), looped, t)
+        t = np.where((t >= last) & (self.after == "loop"), looped, t)
+        return np.clip(t, first, last)
+
+    def tangents(self) -> FloatArray:
+        """Return the velocities (n, 3) m/s at the keys: stated, else non-uniform Catmull-Rom."""
+        if self.velocities is not None or len(self.times) == 1:
+            return np.zeros((1, 3)) if self.velocities is None else self.velocities
+        steps = np.diff(self.times)[:, None]
+        slopes = np.diff(self.poses[:, :3, 3], axis=0) / steps
+        inner = (steps[1:] * slopes[:-1] + steps[:-1] * slopes[1:]) / (steps[:-1] + steps[1:])
+        return np.concatenate([slopes[:1], inner, slopes[-1:]])
+
+    def knots(self, start: float, end: float) -> FloatArray:
+        """Return the times (s) of keys within [start, end], repeated where they loop."""
+        first, last = float(self.times[0]), float(self.times[-1])
+        span = last - first
+        found = [self.times]
+        if span > 0.0 and self.after == "loop":
+            found += [self.times + k * span for k in range(1, int(max(0.0, end - first) // span) + 2)]
+        if span > 0.0 and self.before == "loop":
+            found += [self.times - k * span for k in range(1, int(max(0.0, last - start) // span) + 2)]
+        knots = np.unique(np.concatenate(found))
+        return knots[(knots >= start) & (knots <= end)]
+
+    def named_around(self, time: float) -> tuple[str, str]:
+        """Return the names of the last named key at or before a time (s) and of the first after it."""
+        first, last = float(self.times[0]), float(self.times[-1])
+        if last > first and ((time < first and self.before == "loop") or (time >= last and self.after == "loop")):
+            time = first + (time - first) % (last - first)
+        named = [(float(t), name) for t, name in zip(self.times, self.names, strict=True) if name]
+        earlier = [name for t, name in named if t <= time]
+        later = [name for t, name in named if t > time]
+        return (earlier[-1] if earlier else "", later[0] if later else "")
+
+
+def path_of(spec: Spec, units: Units, folder: Path) -> KeyPath:
+    """Read a motion along keys or a file."""
+    shift = float(spec.get("t0", 0.0))
+    ways = spec.get("interpolation", {})
+    rest = (
+        ways.get("translation", "linear"),
+        ways.get("rotation", "slerp"),
+        spec.get("before", "error"),
+        spec.get("after", "error"),
+    )
+    if spec["type"] == "file":
+        times, poses = read_trajectory(spec, units, folder)
+        return KeyPath(times + shift, poses, None, *rest, names=("",) * len(times))
+    keys = spec["keys"]
+    stated = [numbers(key["velocity"]) * units.metres for key in keys if "velocity" in key]
+    return KeyPath(
+        numbers([key["t"] for key in keys]) + shift,
+        np.array([pose_of(key, units.metres, units.radians) for key in keys]),
+        np.array(stated) if stated else None,
+        *rest,
+        names=tuple(key.get("name", "") for key in keys),
+    )
+
+
+def read_trajectory(spec: Spec, units: Units, folder: Path) -> tuple[FloatArray, FloatArray]:
+    """Return times (n,) s and poses (n, 4, 4) m of a tum or csv file; times count from where `time_origin` says."""
+    lines = [line for line in (folder / spec["file"]).read_text(encoding="utf-8").splitlines() if line.strip()]
+    lines = [line for line in lines if not line.startswith("#")]
+    if spec["layout"] == "tum":
+        names = ["t", "x", "y", "z", "qx", "qy", "qz", "qw"]
+        rows = [dict(zip(names, line.split(), strict=True)) for line in lines]
+        metres = 1.0
+    else:
+        rows = list(csv.DictReader(lines))
+        metres = METRES[spec["units"]] if "units" in spec else units.metres
+    clocks = [Decimal(row["t"]) for row in rows]
+    origin = clocks[0] if spec.get("time_origin", "first") == "first" else Decimal(0)
+    times = np.array([float(clock - origin) for clock in clocks])
+    poses = np.array([pose_of(row_pose(row), metres, units.radians) for row in rows])
+    return times, poses
+
+
+def row_pose(row: Mapping[str, str]) -> dict[str, Any]:
+    """Return a row of a trajectory as a scene file would write its pose."""
+    pose: dict[str, Any] = {"xyz": [float(row[key]) for key in "xyz"]}
+    if "qw" in row:
+        pose["quat_wxyz"] = [float(row[key]) for key in ("qw", "qx", "qy", "qz")]
+    elif "roll" in row:
+        pose["rpy"] = [float(row[key]) for key in ("roll", "pitch", "yaw")]
+    return pose
+
+
+def slerp(turns: FloatArray, left: IntArray, right: IntArray, part: FloatArray) -> FloatArray:
+    """Return (n, 3, 3): from turns[left] along the shortest turn to turns[right], `part` of the way."""
+    first, second = Rotation.from_matrix(turns[left]), Rotation.from_matrix(turns[right])
+    way = (first.inv() * second).as_rotvec()
+    return (first * Rotation.from_rotvec(part[:, None] * way)).as_matrix()
+
+
+def hermite(
+    places: FloatArray,
+    speeds: FloatArray,
+    left: IntArray,
+    right: IntArray,
+    part: FloatArray,
+    length: FloatArray,
+) -> FloatArray:
+    s, h = part[:, None], length[:, None]
+    return (
+        (1.0 + 2.0 * s) * (1.0 - s) ** 2 * places[left]
+        + s * (1.0 - s) ** 2 * h * speeds[left]
+        + s**2 * (3.0 - 2.0 * s) * places[right]
+        + s**2 * (s - 1.0) * h * speeds[right]
+    )

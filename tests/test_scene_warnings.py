@@ -1,0 +1,148 @@
+"""What a scene is warned of: sizes and places that look like a mistake, and half turns."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from scene_files import HEAD, MOTION, TETRAHEDRON, load, warnings
+
+
+def two(first: str, second: str) -> str:
+    return f"{HEAD}bodies:\n  one: {{shapes: [{first}]}}\n  other: {{shapes: [{second}]}}\n"
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        ("{sphere: 100}", "{sphere: 0.19}"),
+        ("{box: [1, 2, 600]}", "{box: [1, 1, 1]}"),
+        ("{capsule: {radius: 100, length: 100}}", "{capsule: {radius: 0.1, length: 0.3}}"),
+        ("{cylinder: {radius: 1, length: 600}}", "{cone: {radius: 0.25, length: 1}}"),
+    ],
+)
+def test_bodies_over_500_times_apart_in_size_are_warned_of(tmp_path: Path, one: str, other: str) -> None:
+    (line,) = warnings(tmp_path, two(one, other))
+    assert line.startswith("6:19: bodies.other.shapes: is ")
+    assert "times smaller than 'one' (" in line
+    assert line.endswith(": is a unit wrong, mm for m?")
+    (line,) = warnings(tmp_path, two(other, one))
+    assert line.startswith("5:17: bodies.one.shapes: is ")
+
+
+def test_bodies_500_times_apart_in_size_are_not_warned_of(tmp_path: Path) -> None:
+    assert warnings(tmp_path, two("{sphere: 100}", "{sphere: 0.2}")) == []
+    assert warnings(tmp_path, two("{box: [500, 1, 1]}", "{box: [1, 0.01, 0.01]}")) == []
+
+
+def test_a_body_is_as_large_as_its_largest_shape(tmp_path: Path) -> None:
+    assert warnings(tmp_path, two("{sphere: 100}", "{sphere: 0.1}, {sphere: 1}")) == []
+
+
+def test_a_mesh_in_the_wrong_unit_is_warned_of(tmp_path: Path) -> None:
+    (tmp_path / "m.obj").write_text(TETRAHEDRON.replace("1", "300", 3))
+    text = f"{HEAD}meshes: {{m: {{file: m.obj, units: UNIT}}}}\n" + two("{sphere: 150}", "{mesh: m}")[len(HEAD) :]
+    assert warnings(tmp_path, text.replace("UNIT", "mm")) == []
+    (line,) = warnings(tmp_path, text.replace("UNIT", "m"))
+    assert line == "6:17: bodies.one.shapes: is 0.3 m in size, 1e+03 times smaller than 'other' (300 m): " + (
+        "is a unit wrong, mm for m?"
+    )
+    assert warnings(tmp_path, text.replace("UNIT", "m").replace("mesh: m", "mesh: m, scale: 0.001")) == []
+
+
+def test_a_mesh_without_any_size_is_not_measured_against_others(tmp_path: Path) -> None:
+    (tmp_path / "m.obj").write_text("v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n")
+    meshes = f"{HEAD}meshes: {{m: {{file: m.obj, units: mm}}}}\n"
+    told = warnings(tmp_path, meshes + two("{sphere: 150}", "{mesh: m}")[len(HEAD) :])
+    assert [line.split(": ")[1] for line in told] == ["meshes.m.file"] * 2
+
+
+def test_a_scene_is_warned_of_sizes_once_however_many_bodies_there_are(tmp_path: Path) -> None:
+    small = "".join(f"  small{i}: {{shapes: [{{sphere: 0.1}}]}}\n" for i in range(20))
+    assert len(warnings(tmp_path, two("{sphere: 100}", "{sphere: 100}") + small)) == 1
+
+
+FAR = "rounding may show, move the origin"
+
+
+@pytest.mark.parametrize(
+    ("body", "distance"),
+    [
+        ("pose: {xyz: [2.1e6, 0, 0]}, shapes: [{sphere: 1}]", "2.1e+03"),
+        ("shapes: [{sphere: 1, pose: {xyz: [0, 2.1e6, 0]}}]", "2.1e+03"),
+        ("shapes: [{sphere: 1}], motion: {type: constant, velocity: [-3e6, 0, 0]}", "3e+03"),
+        ("shapes: [{sphere: 1}, {sphere: 5}], pose: {xyz: [-2.1e6, 0, 0]}", "2.1e+03"),
+    ],
+)
+def test_a_body_a_million_times_farther_away_than_it_is_large_is_warned_of(
+    tmp_path: Path, body: str, distance: str
+) -> None:
+    (line,) = warnings(tmp_path, f"{HEAD}bodies:\n  a: {{{body}}}\n")
+    assert line.startswith("5:")
+    assert f": bodies.a.shapes: lies {distance} m from the origin, " in line
+    assert line.endswith(f" times its smallest shape: {FAR}")
+    assert warnings(tmp_path, f"{HEAD}bodies:\n  a: {{{body.replace('e6', 'e5')}}}\n") == []
+
+
+def test_a_mesh_whose_own_coordinates_are_far_away_is_warned_of(tmp_path: Path) -> None:
+    (tmp_path / "m.obj").write_text(
+        "v 4e6 0 0\nv 4000001 0 0\nv 4e6 1 0\nv 4e6 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
+    )
+    text = f"{HEAD}meshes: {{m: {{file: m.obj, units: m}}}}\nbodies: {{a: {{shapes: [{{mesh: m}}]}}}}"
+    (line,) = warnings(tmp_path, text)
+    assert line == f"5:22: bodies.a.shapes: lies 4e+06 m from the origin, 4e+06 times its smallest shape: {FAR}"
+
+
+def test_of_many_bodies_far_away_the_worst_is_told(tmp_path: Path) -> None:
+    bodies = "".join(f"  b{i}: {{pose: {{xyz: [{i}e8, 0, 0]}}, shapes: [{{sphere: 1}}]}}\n" for i in range(5))
+    (line,) = warnings(tmp_path, f"{HEAD}bodies:\n{bodies}")
+    assert line.startswith("9:")
+    assert line.endswith(f"{FAR} (and 3 more bodies)")
+
+
+def test_a_frame_without_shapes_may_lie_anywhere(tmp_path: Path) -> None:
+    frame = "a: {pose: {xyz: [1e15, 0, 0]}}"
+    assert warnings(tmp_path, f"{HEAD}bodies: {{{frame}, b: {{shapes: [{{sphere: 1}}]}}}}") == []
+
+
+def test_a_body_in_a_parent_far_away_is_as_far(tmp_path: Path) -> None:
+    child = "b: {parent: a, shapes: [{sphere: 1}]}"
+    (line,) = warnings(tmp_path, f"{HEAD}bodies: {{a: {{pose: {{xyz: [3e6, 0, 0]}}}}, {child}}}")
+    assert "bodies.b.shapes: lies 3e+03 m" in line
+
+
+def keyframes(keys: str, options: str = "") -> str:
+    return f"{MOTION}{{type: keyframes, {options}keys: [{keys}]}}\n"
+
+
+def test_keys_far_apart_are_warned_of_where_slerp_may_mislead(tmp_path: Path) -> None:
+    keys = "{t: 0}, {t: 0.3, rpy: [0, 0, 149]}, {t: 0.6, rpy: [0, 0, -59]}, {t: 1, rpy: [0, 0, 121]}"
+    first, second = warnings(tmp_path, keyframes(keys))
+    assert first == (
+        "6:74: bodies.a.motion.keys[2]: keys 1 and 2 are 152.0 degrees apart: "
+        "the shorter way is taken, is a key missing?"
+    )
+    assert second == (
+        "6:102: bodies.a.motion.keys[3]: keys 2 and 3 are 180.0 degrees apart: "
+        "which way round is ambiguous, add a key between"
+    )
+    assert warnings(tmp_path, keyframes(keys, "interpolation: {rotation: step}, ")) == []
+
+
+def test_warnings_come_in_the_order_of_the_file(tmp_path: Path) -> None:
+    (tmp_path / "open.obj").write_text("v 0 0 0\nv 300 0 0\nv 0 300 0\nf 1 2 3\n")
+    text = (
+        f"{HEAD}bodies:\n  a: {{motion: {{type: keyframes, keys: [{{t: 0}}, {{t: 1, rpy: [0, 0, 160]}}]}}}}\n"
+        "  b: {shapes: [{sphere: 0.1}]}\n  c: {shapes: [{mesh: m}]}\nmeshes: {m: {file: open.obj, units: mm}}\n"
+    )
+    assert [line.split(": ")[1] for line in warnings(tmp_path, text)] == [
+        "bodies.a.motion.keys[1]",
+        "bodies.b.shapes",
+        "meshes.m.file",
+    ]
+
+
+def test_a_faultless_scene_of_everyday_sizes_is_not_warned_of(tmp_path: Path) -> None:
+    lengths = (12, 80, 400, 2500, 6000)
+    parts = "".join(f"  p{i}: {{shapes: [{{box: [{s}, {s}, {s}]}}]}}\n" for i, s in enumerate(lengths))
+    assert load(tmp_path, f"{HEAD}bodies:\n{parts}").warnings == ()
