@@ -1,5 +1,7 @@
 """Every bound of every motion against dense sampling of its own poses, and the poses against their formulas."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from drawn_motions import (
@@ -26,6 +28,7 @@ from closecall.scheduler.motions import (
 )
 from closecall.scheduler.scene import Body
 from oracle.motions import Units, motion_at
+from oracle.paths import PATHS, path_of
 
 CASES = 100
 RELATIVE = 1e-12
@@ -134,7 +137,9 @@ def test_poses_are_those_of_the_scene_formats_formulas(kind):
     for _ in range(CASES // 5):
         motion = kind(rng)
         times = rng.uniform(-3, 5, 40)
-        expected = motion_at(spec_of(motion), times, Units(1.0, 1.0))
+        spec, units = spec_of(motion), Units(1.0, 1.0)
+        keyed = spec["type"] in PATHS
+        expected = path_of(spec, units, Path()).at(times) if keyed else motion_at(spec, times, units)
         found = np.array([motion.pose(float(t)) for t in times])
         assert np.abs(found - expected).max() <= 50 * pose_error(motion, -3.0, 8.0, 1.0) + 1e-12
 

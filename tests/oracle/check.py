@@ -27,20 +27,20 @@ OWN_TIME = {"spans": "end", "collisions": "time_touching"}
 """Messages whose timestamp repeats one of their own times."""
 
 
-def check_log(scene_path: Path, log_path: Path, *, effort: Effort | None = None, epoch: int = 0) -> list[str]:
+def check_log(scene_path: Path, log_path: Path, *, effort: Effort | None = None) -> list[str]:
     """Return what is wrong with a log of a scene, a line each; nothing when it holds.
 
     Args:
         scene_path: the scene file, its meshes beside it.
         log_path: the MCAP log of a run of it.
         effort: how hard to try.
-        epoch: ns that the run added to its times.
     """
-    return check(Truth(scene_path), read_log(log_path), effort=effort, epoch=epoch)
+    log = read_log(log_path)
+    return check(Truth(scene_path), log, effort=effort, epoch=int(log.metadata["closecall"]["epoch"]))
 
 
 def check(truth: Truth, log: Log, *, effort: Effort | None = None, epoch: int = 0) -> list[str]:
-    """Return what is wrong with decoded values of a log, a line each."""
+    """Return what is wrong with decoded values of a log whose times `epoch` ns were added to, a line each."""
     effort = effort or Effort()
     faults = [*check_times(log, epoch), *check_names(truth, log)]
     faults += check_transforms(truth, log, effort, epoch)

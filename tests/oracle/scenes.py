@@ -165,9 +165,11 @@ def random_rules(draw: Draw, bodies: Bodies) -> dict[str, Any]:
         if draw.chance(0.3):
             rules["check"] = [{"between": [one, draw.pick(*[name for name in names if name != one])]}]
     if draw.chance(0.4):
-        sides = [two(draw, names), [draw.pick(*names), "*"], [draw.pick(*names, *groups), "*_?"]]
-        chosen = draw.rng.permutation(3)[: int(draw.rng.integers(1, 4))]
-        sides = [sides[i] for i in chosen if not (sides[i][1] == "*_?" and not any(name[-2] == "_" for name in names))]
+        sides = [two(draw, names), [draw.pick(*names), "*"]]
+        if sum(name[-2] == "_" for name in names) > 1:
+            sides.append([draw.pick(*names, *groups), "*_?"])
+        chosen = draw.rng.permutation(len(sides))[: int(draw.rng.integers(1, 4))]
+        sides = [sides[i] for i in chosen]
         rules["margins"] = [{"between": side, "margin": draw.metres(random_margin(draw))} for side in sides]
     elif draw.chance(0.1):
         rules["margins"] = [{"between": ["*", "*"], "margin": 0}]
