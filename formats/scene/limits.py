@@ -45,5 +45,11 @@ UNLIKELY_RATIO = 500.0
 COARSE_PLACE = 1e6
 """A body farther from the origin than this many times its smallest shape is warned of: floats are coarse there."""
 
+COARSE_TERMS = 1e8
+"""A motion whose terms may add up to more than this many times the body's smallest shape is warned of.
+
+They bound the error of measurement, and often by much: hence 100 times what is warned of as a place.
+"""
+
 FARTHEST_PLACE = 1e30
 """m. A motion whose terms may add up to more is refused: no distance could be told, and far beyond none is finite."""

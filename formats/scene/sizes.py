@@ -9,7 +9,7 @@ from ...scheduler.scene import FloatArray, Mesh, Scene
 from ...scheduler.snapshot import world_poses
 from .document import Findings
 from .errors import Where, quoted
-from .limits import COARSE_PLACE, UNLIKELY_RATIO
+from .limits import COARSE_PLACE, COARSE_TERMS, UNLIKELY_RATIO
 
 
 def warn_of_sizes(scene: Scene, names: tuple[str, ...], findings: Findings) -> None:
@@ -37,7 +37,10 @@ def warn_of_sizes(scene: Scene, names: tuple[str, ...], findings: Findings) -> N
     }
     distances = _distances(scene, centres)
     features = {index: min(size for size, _ in own) for index, own in shapes.items()}
-    _warn_of_places(distances, features, names, findings)
+    latest = max(abs(scene.start), abs(scene.end))
+    terms = {index: scene.bodies[index].motion.extent(latest) for index in shapes}
+    if not _warn_of_places(distances, features, names, findings):
+        _warn_of_terms(terms, features, names, findings)
 
 
 def _warn_of_ratio(sizes: dict[int, float], names: tuple[str, ...], findings: Findings) -> None:
@@ -51,16 +54,32 @@ def _warn_of_ratio(sizes: dict[int, float], names: tuple[str, ...], findings: Fi
 
 def _warn_of_places(
     distances: dict[int, float], features: dict[int, float], names: tuple[str, ...], findings: Findings
+) -> bool:
+    """Warn if a body's distance (m) is so much more than its smallest feature (m); tell whether one is."""
+    worst, ratio, others = _coarsest(distances, features, COARSE_PLACE)
+    if ratio > COARSE_PLACE:
+        problem = f"lies {distances[worst]:.3g} m from the origin, {ratio:.3g} times its smallest shape"
+        findings.warn(_shapes(names[worst]), f"{problem}: rounding may show, move the origin{others}")
+    return ratio > COARSE_PLACE
+
+
+def _warn_of_terms(
+    terms: dict[int, float], features: dict[int, float], names: tuple[str, ...], findings: Findings
 ) -> None:
-    """Warn if a body's distance (m) is so much more than its smallest feature (m)."""
-    ratios = {index: distance / features[index] for index, distance in distances.items()}
-    coarse = [index for index, ratio in ratios.items() if ratio > COARSE_PLACE]
-    if not coarse:
-        return
-    worst = max(coarse, key=ratios.__getitem__)
-    problem = f"lies {distances[worst]:.3g} m from the origin, {ratios[worst]:.3g} times its smallest shape"
-    others = f" (and {len(coarse) - 1} more bodies)" if len(coarse) > 1 else ""
-    findings.warn(_shapes(names[worst]), f"{problem}: rounding may show, move the origin{others}")
+    """Warn if the terms of a motion (m) cancel to a place that is so much nearer."""
+    worst, ratio, others = _coarsest(terms, features, COARSE_TERMS)
+    if ratio > COARSE_TERMS:
+        problem = f"the motion's terms add up to {terms[worst]:.3g} m, {ratio:.3g} times the body's smallest shape"
+        remedy = "rounding may show, let times and t0 be nearer to 0"
+        findings.warn(("bodies", names[worst], "motion"), f"{problem}: {remedy}{others}")
+
+
+def _coarsest(lengths: dict[int, float], features: dict[int, float], most: float) -> tuple[int, float, str]:
+    """Return the body whose length (m) is the most times its smallest feature (m), that ratio, and a word on others."""
+    ratios = {index: length / features[index] for index, length in lengths.items()}
+    worst = max(ratios, key=ratios.__getitem__)
+    coarse = sum(ratio > most for ratio in ratios.values())
+    return worst, ratios[worst], f" (and {coarse - 1} more bodies)" if coarse > 1 else ""
 
 
 def _distances(scene: Scene, centres: dict[int, FloatArray]) -> dict[int, float]:

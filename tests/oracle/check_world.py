@@ -10,7 +10,7 @@ import numpy as np
 
 from .logs import Log
 from .sampling import Effort
-from .truth import Pair, Truth, seconds
+from .truth import NANOSECOND, Pair, Truth, seconds
 
 Values = dict[str, Any]
 
@@ -69,31 +69,30 @@ def check_range(truth: Truth, pair: Pair, told: Values) -> Iterable[str]:
 
 def check_world(truth: Truth, log: Log, effort: Effort, epoch: int, chords: Mapping[str, float]) -> Iterable[str]:
     """Snapshots tell the nearest pairs of those that exist, at their true distances."""
-    rng = np.random.default_rng(effort.seed)
     messages = log.of("world")
-    pairs = truth.pairs()
-    for message in (messages[i] for i in rng.permutation(len(messages))[: effort.messages // 10]):
-        time = seconds(message, epoch)
-        times = np.array([time])
-        least = np.inf
-        told = {one["pair"]: one for one in message["pairs"]}
-        for pair in pairs:
-            begin, end = truth.interval(*pair)
-            name = "|".join(pair)
-            one = told.pop(name, None)
-            if not begin < time < end:
-                if one is not None and not begin - 1e-9 <= time <= end + 1e-9:
-                    yield f"/world at {time} s: {name} exists from {begin} to {end} s"
-                continue
-            chord = min(chords.get(name, np.inf), truth.chord_limit(*pair))
-            true = max(0.0, float(truth.signed(*pair, times)[0]))
-            allowed = truth.tolerance + float(truth.pair_blur(*pair, times)[0])
-            least = min(least, true + allowed)
-            if one is None or one["verdict"] == "CONTACT":  # contacts read 0 up to the clear end of their brackets
-                continue
-            if not true - allowed - chord <= one["distance"] <= true + allowed:
-                yield f"/world at {time} s: {name} at {one['distance']} m is truly at {true}"
-        for name in told:
+    chosen = np.random.default_rng(effort.seed).permutation(len(messages))[: effort.messages // 5]
+    messages = [messages[i] for i in np.sort(chosen)]
+    times = np.array([seconds(message, epoch) for message in messages])
+    least = np.full(len(times), np.inf)
+    told = [{one["pair"]: one for one in message["pairs"]} for message in messages]
+    for pair in truth.pairs():
+        name = "|".join(pair)
+        begin, end = truth.interval(*pair)
+        for i in np.flatnonzero((times < begin - NANOSECOND) | (times > end + NANOSECOND)):
+            if told[i].pop(name, None) is not None:
+                yield f"/world at {times[i]} s: {name} exists from {begin} to {end} s"
+        there = np.flatnonzero((times > begin) & (times < end))
+        chord = min(chords.get(name, np.inf), truth.chord_limit(*pair))
+        true = np.maximum(truth.signed(*pair, times[there]), 0.0)
+        allowed = truth.tolerance + truth.pair_blur(*pair, times[there])
+        least[there] = np.minimum(least[there], true + allowed)
+        for i, distance, error in zip(there, true, allowed, strict=True):
+            one = told[i].get(name, {"verdict": "CONTACT"})  # contacts read 0 up to the clear ends of their brackets
+            if one["verdict"] != "CONTACT" and not distance - error - chord <= one["distance"] <= distance + error:
+                yield f"/world at {times[i]} s: {name} at {one['distance']} m is truly at {distance}"
+    watched = {"|".join(pair) for pair in truth.pairs()}
+    for time, message, pairs, bound in zip(times, messages, told, least, strict=True):
+        for name in pairs.keys() - watched:
             yield f"/world at {time} s: no such pair to watch: {name}"
-        if np.isfinite(least) and not message["min_distance"] <= least:
-            yield f"/world at {time} s: least distance {message['min_distance']}, some pair has {least}"
+        if np.isfinite(bound) and not message["min_distance"] <= bound:
+            yield f"/world at {time} s: least distance {message['min_distance']}, some pair has {bound}"

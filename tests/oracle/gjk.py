@@ -17,10 +17,14 @@ Support = Callable[[FloatArray, IntArray], FloatArray]
 """From directions (n, 3) and the numbers (n,) of the sets they are asked of, to the farthest points (n, 3)."""
 
 STEPS = 80
+PATIENCE = 6
+"""Steps without progress that end the search too."""
+
 ACCURACY = 1e-12
 """Relative to (1 m + the distance): a lower bound this near to the distance ends the search."""
 
-SUBSETS = [list(one) for size in (1, 2, 3, 4) for one in combinations(range(4), size)]
+SUBSETS = [[0, *one] for size in range(4) for one in combinations((1, 2, 3), size)]
+"""Of a simplex's corners: those with the newest, which stands first."""
 
 
 def distances(support_a: Support, support_b: Support, count: int, start: FloatArray) -> FloatArray:
@@ -31,42 +35,46 @@ def distances(support_a: Support, support_b: Support, count: int, start: FloatAr
         count: how many.
         start: (n, 3) m, any point of a less any point of b.
     """
-    out = np.full(count, np.inf)
     items = np.arange(count)
-    corners = np.zeros((count, 4, 3))
-    corners[:, 0] = start
-    held = np.zeros((count, 4), dtype=bool)
-    held[:, 0] = True
     v = start.copy()
+    out = np.linalg.norm(v, axis=1)
+    corners, held = np.zeros((count, 3, 3)), np.zeros((count, 3), dtype=bool)
+    corners[:, 0], held[:, 0] = v, True
     lower = np.full(count, -np.inf)
+    stalled = np.zeros(count, dtype=np.int64)
     for _ in range(STEPS):
         length = np.linalg.norm(v, axis=1)
-        out[items] = np.minimum(out[items], length)
         w = support_a(-v, items) - support_b(v, items)
         np.maximum(lower, dot(v, w) / np.maximum(length, 1e-300), out=lower)
-        open_ = (length - lower > ACCURACY * (1.0 + length)) & (length > 0.0)
-        open_ &= ~(corners == w[:, None]).all(axis=2).any(axis=1)
+        open_ = (out[items] - lower > ACCURACY * (1.0 + length)) & (length > 0.0)
         items, corners, held, lower, w = items[open_], corners[open_], held[open_], lower[open_], w[open_]
-        if not len(items):
+        corners = np.concatenate([w[:, None], corners], axis=1)
+        held = np.concatenate([np.ones((len(items), 1), dtype=bool), held], axis=1)
+        v, used = nearest_to_origin(corners, held)
+        full = used.all(axis=1)
+        out[items[full]] = -depths(corners[full])
+        found = np.linalg.norm(v, axis=1)
+        stalled[items[found < out[items] - 0.1 * ACCURACY]] = 0
+        stalled[items] += 1
+        go_on = ~full & (stalled[items] < PATIENCE)
+        if not go_on.any():
             return out
-        free = (~held).argmax(axis=1)
-        rows = np.arange(len(items))
-        corners[rows, free], held[rows, free] = w, True
-        v, held = nearest_to_origin(corners, held)
-        full = held.all(axis=1)
-        if full.any():
-            out[items[full]] = -depths(corners[full])
-            keep = ~full
-            items, corners, held, lower, v = items[keep], corners[keep], held[keep], lower[keep], v[keep]
+        items, lower, v, used = items[go_on], lower[go_on], v[go_on], used[go_on]
+        out[items] = np.minimum(out[items], found[go_on])
+        order = np.argsort(~used, axis=1, kind="stable")[:, :3]
+        corners = np.take_along_axis(corners[go_on], order[:, :, None], axis=1)
+        held = np.take_along_axis(used, order, axis=1)
     return out
 
 
 def nearest_to_origin(corners: FloatArray, held: NDArray[np.bool_]) -> tuple[FloatArray, NDArray[np.bool_]]:
     """Return the point (n, 3) of each simplex nearest to the origin, and which corners (n, 4) it needs.
 
+    Sought among the parts of the simplex that have its first corner. All four needed: the origin is inside.
+
     Args:
         corners: (n, 4, 3).
-        held: (n, 4), those that are in use; at least one each. All four: the origin is inside.
+        held: (n, 4), those that are in use, the first among them.
     """
     best = np.full(len(corners), np.inf)
     point = np.zeros((len(corners), 3))
@@ -108,7 +116,7 @@ def barycentric(corners: FloatArray) -> FloatArray:
             a, b, c = (edges[:, i] for i in range(3))
             parts = (np.cross(b, c), np.cross(c, a), np.cross(a, b))
             rest = -np.stack([dot(base, part) for part in parts], axis=1) / dot(a, parts[0])[:, None]
-    return np.column_stack([1.0 - rest.sum(axis=1), rest])
+        return np.column_stack([1.0 - rest.sum(axis=1), rest])
 
 
 def dot(a: FloatArray, b: FloatArray) -> FloatArray:
@@ -123,4 +131,4 @@ def depths(corners: FloatArray) -> FloatArray:
         normal = np.cross(b - a, c - a)
         length = np.maximum(np.linalg.norm(normal, axis=1), 1e-300)
         found.append(np.abs(dot(normal, a)) / length)
-    return np.min(found, axis=0)
+    return np.minimum.reduce(found)

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import MutableSequence
+from collections.abc import Callable, MutableSequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 from google.protobuf.message import Message
+from google.protobuf.message_factory import GetMessageClass
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 
 Values = dict[str, Any]
+
+TOPICS = ("wakeups", "distances", "collisions", "spans", "windows", "world", "tf")
+"""What the oracle reads of a log; what viewers draw is left out."""
 
 
 @dataclass
@@ -47,33 +52,50 @@ def read_log(path: Path) -> Log:
     log = Log()
     with path.open("rb") as stream:
         reader = make_reader(stream, validate_crcs=True, decoder_factories=[DecoderFactory()])
-        for _, channel, record, message in reader.iter_decoded_messages():
+        summary = reader.get_summary()
+        channels = [] if summary is None else summary.channels.values()
+        wanted = [one.topic for one in channels if topic_of(one.topic) in TOPICS]
+        for _, channel, record, message in reader.iter_decoded_messages(wanted):
             times = {"log_time": record.log_time, "publish_time": record.publish_time}
-            topic = channel.topic.removeprefix("/")
-            topic = topic.split("/")[0] if topic.startswith(("wakeups", "distances", "collisions")) else topic
-            log.topics.setdefault(topic, []).append(values(message) | times)
+            log.topics.setdefault(topic_of(channel.topic), []).append(values(message) | times)
         log.metadata = {record.name: dict(record.metadata) for record in reader.iter_metadata()}
         log.attachments = {record.name: record.data for record in reader.iter_attachments()}
     return log
 
 
+def topic_of(name: str) -> str:
+    """Return a topic without its slash, and without its body."""
+    topic = name.removeprefix("/")
+    return topic.split("/")[0] if topic.startswith(("wakeups", "distances", "collisions")) else topic
+
+
 def values(message: Message) -> Values:
     """Return a message's fields by name, defaults included."""
     out: Values = {}
-    for one in message.DESCRIPTOR.fields:
-        value = getattr(message, one.name)
-        repeated = isinstance(value, MutableSequence)
-        out[one.name] = [plain(one, item) for item in value] if repeated else plain(one, value)
+    for name, repeated, convert in plan(message.DESCRIPTOR):
+        value = getattr(message, name)
+        if convert is not None:
+            value = [convert(item) for item in value] if repeated else convert(value)
+        out[name] = list(value) if repeated else value
     return out
 
 
-def plain(field_: Any, value: Any) -> Any:
-    """Return one value of a field: enums as their names (unknown numbers stay numbers), timestamps in ns."""
+@lru_cache
+def plan(descriptor: Any) -> list[tuple[str, bool, Callable[[Any], Any] | None]]:
+    """Return of each field its name, whether it is repeated, and what makes a value plain, None if it is already."""
+    probe = GetMessageClass(descriptor)()
+    return [
+        (one.name, isinstance(getattr(probe, one.name), MutableSequence), plainer(one)) for one in descriptor.fields
+    ]
+
+
+def plainer(field_: Any) -> Callable[[Any], Any] | None:
+    """Return how a field is made plain: enums to names (unknown numbers stay numbers), timestamps to ns."""
     if field_.enum_type is not None:
-        named = field_.enum_type.values_by_number.get(value)
-        return value if named is None else named.name
+        names = {number: value.name for number, value in field_.enum_type.values_by_number.items()}
+        return lambda number: names.get(number, number)
     if field_.message_type is None:
-        return value
+        return None
     if field_.message_type.full_name in ("google.protobuf.Timestamp", "google.protobuf.Duration"):
-        return value.seconds * 1_000_000_000 + value.nanos
-    return values(value)
+        return lambda time: time.seconds * 1_000_000_000 + time.nanos
+    return values
