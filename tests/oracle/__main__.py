@@ -1,4 +1,7 @@
-"""By hand, from tests/: `python -m oracle SCENE LOG` checks a log, `python -m oracle SEED FOLDER` writes a scene."""
+"""By hand, from tests/: `python -m oracle SCENE LOG` checks a log, `python -m oracle SEED FOLDER` writes a scene.
+
+A seed is a number, or a family and a number: `fast_spin:7`.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +9,16 @@ import sys
 from pathlib import Path
 
 from .check import check_log, unresolved_share
+from .families import FAMILIES, write_family
 from .logs import read_log
 from .scenes import write_scene
 
 first, second = sys.argv[1:]
-if first.isdecimal():
-    Path(second).mkdir(parents=True, exist_ok=True)
-    print(write_scene(int(first), Path(second)))
+family, _, number = first.rpartition(":")
+if number.isdecimal():
+    folder = Path(second)
+    folder.mkdir(parents=True, exist_ok=True)
+    print(write_family(family, int(number), folder) if family in FAMILIES else write_scene(int(number), folder))
 else:
     faults = check_log(Path(first), Path(second))
     print(*faults, sep="\n")

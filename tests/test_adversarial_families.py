@@ -1,0 +1,49 @@
+"""Families of scenes made to break a certificate, run through the tool, their logs held against the oracle.
+
+By hand, from tests/: `python -m oracle fast_spin:7 FOLDER` writes the scene of a family and a number, and
+`python -m oracle SCENE LOG` checks a log of it.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from pathlib import Path
+
+import pytest
+from test_random_scenes import DEEP, QUICK, logged
+
+from oracle.check import check_log
+from oracle.families import FAMILIES, write_family
+from oracle.sampling import Effort
+
+DEEP_SCENES = int(os.environ.get("CLOSECALL_DEEP_FAMILY_SCENES", "50"))
+"""How many scenes of each family the deep test takes; CLOSECALL_DEEP_FAMILY_FIRST is the number of the first."""
+
+DEEP_FIRST = int(os.environ.get("CLOSECALL_DEEP_FAMILY_FIRST", "0"))
+
+
+def faults_of(family: str, numbers: Iterable[int], folder: Path, effort: dict[str, int]) -> list[str]:
+    """Return what is wrong with the logs of a family's scenes, each line with the scene."""
+    failed: list[str] = []
+    for number in numbers:
+        place = folder / str(number)
+        place.mkdir()
+        scene = write_family(family, number, place)
+        faults = check_log(scene, logged(scene, "--log", "certificate"), effort=Effort(seed=number, **effort))
+        failed += [f"{family}:{number}: {fault}" for fault in faults]
+        print(*failed, sep="\n", end="", flush=True)
+    return failed
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_the_log_of_an_adversarial_scene_is_true(family: str, tmp_path: Path) -> None:
+    faults = faults_of(family, range(3), tmp_path, QUICK)
+    assert not faults, "\n".join(faults)
+
+
+@pytest.mark.deep
+@pytest.mark.parametrize("family", FAMILIES)
+def test_the_logs_of_many_adversarial_scenes_are_true(family: str, tmp_path: Path) -> None:
+    faults = faults_of(family, range(DEEP_FIRST, DEEP_FIRST + DEEP_SCENES), tmp_path, DEEP)
+    assert not faults, "\n".join(faults)
