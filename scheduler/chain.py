@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .motions import Axis, Fixed, Motion, Rates, Reach
+from .motions import Axis, Fixed, Interval, Motion, Rates, Reach
 from .rotation import FloatArray, mapped, translation_of, turned
 from .scene import Body
 from .vector import ZERO, Vector, add, cross, distance_to_line, norm
@@ -189,8 +189,8 @@ class Chain:
         """Return the first time > t at which the pair must wake for a jump of any joint (inf: none)."""
         return min((joint.motion.stop_after(t) for joint in self.joints), default=inf)
 
-    def rounding(self, latest: float) -> float:
-        """Return how far (m) floating point may misplace a point of the body, for |t| <= latest.
+    def rounding(self, times: Interval) -> float:
+        """Return how far (m) floating point may misplace a point of the body at any of the times.
 
         8 eps times the size of every term of every pose, with the points' reach for the radius of each turn.
         """
@@ -200,8 +200,8 @@ class Chain:
             reach += term
             size += reach
         for joint in reversed(self.joints):
-            size += joint.motion.rounding_scale(latest, reach) + reach
-            reach += joint.motion.extent(latest)
+            size += joint.motion.rounding_scale(times, reach) + reach
+            reach += joint.motion.extent(times)
             for term in reversed(joint.terms):
                 reach += term
                 size += reach

@@ -93,7 +93,7 @@ class Pair:
         self.motion = motion
         self.margin = margin
         self.start, self.end = scene.shared_time(key.a, key.b)
-        self.error = motion.rounding(max(abs(scene.start), abs(scene.end))) + phase.error(key.a, key.b)
+        self.error = motion.rounding((self.start, self.end)) + phase.error(key.a, key.b)
         self._bodies = scene.bodies
         self._narrow_phase = phase
 

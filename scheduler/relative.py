@@ -9,6 +9,7 @@ from typing import NamedTuple
 from .bounds import longest_sleep, shortened, spendable, time_bound, two_sided_clearance
 from .chain import Chain, Moment
 from .events import Bound
+from .motions import Interval
 from .vector import norm, subtract
 
 #: The lecture's bound looks this many times as far ahead as the displacement bound sleeps: farther only loosens it.
@@ -72,9 +73,9 @@ class RelativeMotion:
         """Return the first time > t that must not be slept past: a jump, or the last float before it."""
         return min(self.a.stop_after(t), self.b.stop_after(t))
 
-    def rounding(self, latest: float) -> float:
-        """Return how far (m) floating point may falsify a distance, for |t| <= latest."""
-        return self.a.rounding(latest) + self.b.rounding(latest)
+    def rounding(self, times: Interval) -> float:
+        """Return how far (m) floating point may falsify a distance at any of the times."""
+        return self.a.rounding(times) + self.b.rounding(times)
 
     def displacement(self, moments: Moments, duration: float) -> float:
         """Return D_A + D_B (m), non-decreasing in `duration`."""

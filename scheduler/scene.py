@@ -9,12 +9,10 @@ from math import inf, ulp
 import numpy as np
 from numpy.typing import NDArray
 
-from .motions import Motion
+from .motions import Interval, Motion
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-Interval = tuple[float, float]
-"""From and to, s."""
 
 ALWAYS: Interval = (-inf, inf)
 

@@ -225,7 +225,7 @@ def paths(motion: Motion, t: float, duration: float, points: np.ndarray) -> np.n
 
 def pose_error(motion: Motion, t: float, duration: float, radius: float) -> float:
     """Return how far (m) the motion's own account lets floating point misplace a point over an interval."""
-    return 8 * EPSILON * motion.rounding_scale(max(abs(t), abs(t + duration)), radius)
+    return 8 * EPSILON * motion.rounding_scale((t, t + duration), radius)
 
 
 def random_rest(rng, size=1.0) -> np.ndarray:

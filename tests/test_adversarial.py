@@ -105,3 +105,68 @@ def test_a_chattering_contact_costs_no_more_wakeups_than_its_brackets_need(tmp_p
     wakeups = len(list(read_log(tmp_path / "out.mcap").of("wakeups")))
     assert len(begins(found)) > 50
     assert wakeups / len(found) < 100
+
+
+UNIX_TIME = 1_700_000_000
+SPACING = 2.0**-22
+"""s, of floats at that time."""
+
+KEYS = "keys: [{t: 1700000000.5}, {t: 1700000001.5, xyz: [2, 0, 0]}, {t: 1700000002.5}]"
+ONE_METRE = {  # (motion along x from 0, when it is at 1 m for the first time)
+    "constant": ("{type: constant, velocity: [0.3, 0, 0], t0: %d}", 1 / 0.3),
+    "ballistic": (
+        "{type: ballistic, velocity: [0.1, 0, 0], acceleration: [0.2, 0, 0], t0: %d}",
+        math.sqrt(10.25) - 0.5,
+    ),
+    "screw": ("{type: screw, axis: [1, 0, 0], rate: 1, pitch: 3, t0: %d}", 2 * math.pi / 3),
+    "orbit": ("{type: orbit, axis: [0, 0, 1], start: [0, -1, 0], radius: 2, rate: 0.3, t0: %d}", math.asin(0.5) / 0.3),
+    "harmonic": ("{type: harmonic, direction: [1, 0, 0], amplitude: 2, period: 20, t0: %d}", 20 / 12),
+    "polynomial": (
+        "{type: polynomial, coefficients: [[0, 0, 0], [0.1, 0, 0], [0.1, 0, 0]], t0: %d}",
+        math.sqrt(10.25) - 0.5,
+    ),
+    "profile": (
+        "{type: profile, kind: slide, axis: [1, 0, 0], from: 0, to: 2, max_velocity: 9, max_acceleration: 0.5, t0: %d}",
+        2.0,
+    ),
+}
+
+
+def unix_scene(motion: str, wall: float) -> str:
+    """Return 4 s in Unix time, a ball that moves and a wall whose face is at first `wall` m off its surface."""
+    bodies = (
+        f"  ball: {{shapes: [{{sphere: 0.5}}], motion: {motion}}}\n"
+        f"  wall: {{pose: {{xyz: [{wall + 1.0}, 0, 0]}}, shapes: [{{box: [1, 9, 9]}}]}}\n"
+    )
+    return scene(bodies, start=UNIX_TIME, end=UNIX_TIME + 4, extra="settings: {contact_tolerance: 2e-5}")
+
+
+def assert_touches_at(events: list[dict[str, Any]], seconds: float) -> None:
+    begin = next(event for event in events if event["phase"] == "BEGIN")
+    assert begin["time_clear"] - UNIX_TIME - SPACING <= seconds <= begin["time_touching"] - UNIX_TIME + SPACING
+
+
+@pytest.mark.parametrize("kind", ONE_METRE)
+def test_a_motion_with_a_clock_of_its_own_touches_in_unix_time_when_it_truly_does(tmp_path, kind):
+    motion, seconds = ONE_METRE[kind]
+    assert_touches_at(run(unix_scene(motion % UNIX_TIME, 1.0), tmp_path), seconds)
+
+
+@pytest.mark.parametrize("kind", ONE_METRE)
+def test_bodies_ten_metres_apart_are_clear_in_unix_time(tmp_path, kind):
+    """Rounding was once taken as if the motion's own clock had run since 1970."""
+    assert run(unix_scene(ONE_METRE[kind][0] % UNIX_TIME, 10.0), tmp_path) == []
+    assert verdicts(tmp_path) == {"CLEAR"}
+
+
+def test_keyframes_in_unix_time_touch_when_they_truly_do(tmp_path):
+    found = run(unix_scene(f"{{type: keyframes, {KEYS}, before: hold, after: hold}}", 1.0), tmp_path)
+    assert_touches_at(found, 1.0)
+
+
+def test_a_loop_in_unix_time_touches_each_time_as_well_as_its_ends_are_floats(tmp_path):
+    motion = f"{{type: keyframes, {KEYS}, before: hold, after: loop}}"
+    (tmp_path / "scene.yaml").write_text(unix_scene(motion, 1.0))
+    assert closecall("run", "scene.yaml", "-o", "out.mcap", cwd=tmp_path).returncode == 0
+    found = [event["time_touching"] - UNIX_TIME for event in read_log(tmp_path / "out.mcap").of("collisions")]
+    assert found == pytest.approx([1.0, 2.0, 3.0], abs=2e-5 + 2 * SPACING)

@@ -48,7 +48,7 @@ def test_a_long_way_travelled_does_not_coarsen_the_bounds_of_what_follows():
     for first in (1, 7, 500):
         truth = abs(keys.pose(1001.0)[0, 3] - keys.pose(float(first))[0, 3])
         assert keys.displacement(float(first), 1001.0 - first, Reach(0.0, 0.0)) >= truth - 1e-10
-        assert keys.rounding_scale(1001.0, 1.0) < 1e6
+        assert keys.rounding_scale((0.0, 1001.0), 1.0) < 1e6
 
 
 def test_a_glitch_elsewhere_does_not_loosen_the_error_of_a_pose_at_rest():
@@ -56,7 +56,7 @@ def test_a_glitch_elsewhere_does_not_loosen_the_error_of_a_pose_at_rest():
     times = np.array([0.0, 1.0, 1.0 + 1e-9, 1000.0])
     x = np.array([[0.0, 0, 0], [0, 0, 0], [1, 0, 0], [1, 0, 0]])
     keys = Keyframes(times, x, np.tile([1.0, 0, 0, 0], (4, 1)), Translation.LINEAR, False)
-    assert 8 * np.finfo(float).eps * keys.rounding_scale(1000.0, 1.0) < 1e-13
+    assert 8 * np.finfo(float).eps * keys.rounding_scale((0.0, 1000.0), 1.0) < 1e-13
 
 
 def test_cubic_keys_are_passed_at_their_velocities():

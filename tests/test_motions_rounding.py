@@ -12,6 +12,7 @@ from drawn_motions import EPSILON, random_unit, random_vector, vector
 from closecall.scheduler.motions import (
     Delayed,
     Harmonic,
+    Interval,
     Keyframes,
     Looped,
     Motion,
@@ -37,20 +38,21 @@ def about(axis, angle, q) -> np.ndarray:
 
 
 def worst_share(cases) -> float:
-    """Return the largest share of its account that any pose's error takes, over (motion, t, latest, q, truth)."""
+    """Return the largest share of its account that any pose's error takes, over (motion, t, times, q, truth)."""
     shares = []
-    for motion, t, latest, q, truth in cases:
+    for motion, t, times, q, truth in cases:
         found = wide(motion.pose(t)[:3, :3]) @ wide(q) + wide(motion.pose(t)[:3, 3])
-        allowed = 8 * EPSILON * motion.rounding_scale(latest, float(np.linalg.norm(q)))
+        allowed = 8 * EPSILON * motion.rounding_scale(times, float(np.linalg.norm(q)))
         shares.append(float(np.sqrt(np.sum((found - truth) ** 2))) / allowed)
     assert np.isfinite(shares).all()
     return max(shares)
 
 
-def span_of(rng) -> tuple[float, float]:
-    """Return a time, early or late, of either sign, and a latest time not much beyond."""
-    t = float(rng.choice([-1, 1]) * 10.0 ** rng.uniform(-3, 6))
-    return t, abs(t) * float(rng.uniform(1, 2))
+def span_of(rng, middle=0.0) -> tuple[float, Interval]:
+    """Return a time, soon or long before or after `middle`, and an interval that holds it and goes not much beyond."""
+    since = float(rng.choice([-1, 1]) * 10.0 ** rng.uniform(-3, 6))
+    t, beyond = middle + since, middle + since * float(rng.uniform(1, 2))
+    return t, (min(t, beyond), max(t, beyond))
 
 
 def orbit_point(motion: Orbit, t, q) -> np.ndarray:
@@ -73,8 +75,8 @@ def test_orbits(facing):
 
     def cases():
         for _ in range(CASES):
-            motion, (t, latest), q = random_orbit(rng, facing), span_of(rng), random_vector(rng)
-            yield motion, t, latest, q, orbit_point(motion, WIDE(t), q)
+            motion, (t, times), q = random_orbit(rng, facing), span_of(rng), random_vector(rng)
+            yield motion, t, times, q, orbit_point(motion, WIDE(t), q)
 
     assert 0.01 < worst_share(cases()) < 1.0
 
@@ -101,7 +103,7 @@ def test_polynomials_up_to_the_twentieth_degree_that_cancel():
                 terms[0] -= np.sum(terms * t ** np.arange(degree + 1.0)[:, None], axis=0)
             motion = Polynomial(tuple(map(vector, terms)), random_vector(rng, 3.0))
             q = random_vector(rng)
-            yield motion, t, abs(t), q, polynomial_point(motion, Fraction(t), q)
+            yield motion, t, (t, t), q, polynomial_point(motion, Fraction(t), q)
 
     assert 0.01 < worst_share(cases()) < 1.0
 
@@ -138,7 +140,7 @@ def test_profiles_that_start_late(turns):
                 truth = point + about(motion.axis_direction, value, wide(q) - point)
             else:
                 truth = wide(q) + value * wide(motion.axis_direction)
-            yield motion, t, abs(t), q, truth
+            yield motion, t, (t, t), q, truth
 
     assert 0.01 < worst_share(cases()) < 1.0
 
@@ -196,7 +198,7 @@ def test_keyframes(translation):
         for _ in range(CASES):
             keys, q = random_keys(rng, translation), random_vector(rng)
             t = float(rng.uniform(keys.times[0], keys.times[-1]))
-            yield keys, t, abs(t), q, keyed_point(keys, WIDE(t), q)
+            yield keys, t, (t, t), q, keyed_point(keys, WIDE(t), q)
 
     assert 0.01 < worst_share(cases()) < 1.0
 
@@ -209,9 +211,9 @@ def test_loops_without_a_jump_after_up_to_a_million_seconds(translation):
         for _ in range(CASES):
             keys, q = random_keys(rng, translation, closed=True), random_vector(rng)
             motion = Looped(keys, True, True)
-            t, latest = span_of(rng)
+            t, times = span_of(rng)
             first, period = WIDE(keys.times[0]), WIDE(keys.times[-1]) - WIDE(keys.times[0])
-            yield motion, t, latest, q, keyed_point(keys, first + np.mod(WIDE(t) - first, period), q)
+            yield motion, t, times, q, keyed_point(keys, first + np.mod(WIDE(t) - first, period), q)
 
     assert 0.01 < worst_share(cases()) < 1.0
 
@@ -222,12 +224,13 @@ def test_delays_of_what_swings_fast():
 
     def cases():
         for _ in range(CASES):
-            delay, (t, latest) = float(rng.normal() * 10.0 ** rng.uniform(0, 6)), span_of(rng)
+            delay = float(rng.normal() * 10.0 ** rng.uniform(0, 9))
+            t, times = span_of(rng, delay)
             direction, period = random_unit(rng), float(10.0 ** rng.uniform(-3, 0))
             inner = Harmonic(direction, float(rng.normal()), period, float(rng.normal()))
             angle = 2 * WIDE("3.14159265358979323846264338327950288") * np.fmod(WIDE(t) - WIDE(delay), WIDE(period))
             truth = WIDE(inner.amplitude) * np.sin(angle / WIDE(period) + WIDE(inner.phase)) * wide(direction)
-            yield Delayed(inner, delay), t, latest, (0.0, 0.0, 0.0), truth
+            yield Delayed(inner, delay), t, times, (0.0, 0.0, 0.0), truth
 
     assert 0.01 < worst_share(cases()) < 1.0
 
@@ -237,15 +240,16 @@ def test_delays():
 
     def cases():
         for _ in range(2 * CASES):
-            delay, (t, latest), q = float(rng.normal() * 10.0 ** rng.uniform(-3, 6)), span_of(rng), random_vector(rng)
+            delay, q = float(rng.normal() * 10.0 ** rng.uniform(-3, 9)), random_vector(rng)
+            t, times = span_of(rng, delay)
             inner: Motion
             if rng.random() < 0.5:
                 inner = random_orbit(rng, bool(rng.random() < 0.5))
                 truth = orbit_point(inner, WIDE(t) - WIDE(delay), q)
             else:
-                powers = max(abs(t), abs(delay)) ** -np.arange(4.0)[:, None]
+                powers = abs(t - delay) ** -np.arange(4.0)[:, None]
                 inner = Polynomial(tuple(map(vector, rng.normal(size=(4, 3)) * powers)), random_vector(rng))
                 truth = polynomial_point(inner, Fraction(t) - Fraction(delay), q)
-            yield Delayed(inner, delay), t, latest, q, truth
+            yield Delayed(inner, delay), t, times, q, truth
 
     assert 0.01 < worst_share(cases()) < 1.0

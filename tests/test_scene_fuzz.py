@@ -78,14 +78,14 @@ def check_scene(loaded: LoadedScene) -> None:
     scene = loaded.scene
     assert all(warning.isprintable() for warning in loaded.warnings)
     assert scene.start < scene.end
-    latest = max(abs(scene.start), abs(scene.end))
+    times = scene.start, scene.end
     for body in scene.bodies:
         assert np.isfinite(body.pose).all()
         for time in (scene.start, 0.5 * scene.start + 0.5 * scene.end, scene.end):
             assert np.isfinite(body.motion.pose(time)).all()
             assert np.isfinite(body.motion.velocities(time)).all()
-        assert np.isfinite(body.motion.extent(latest))
-        assert np.isfinite(body.motion.rounding_scale(latest, 1.0))
+        assert np.isfinite(body.motion.extent(times))
+        assert np.isfinite(body.motion.rounding_scale(times, 1.0))
         for shape in body.shapes:
             assert np.isfinite(shape.mesh.vertices).all()
             assert np.isfinite((shape.radius, shape.chord_error)).all()

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
-from ...scheduler.scene import ALWAYS, Interval
+from ...scheduler.motions import Interval
+from ...scheduler.scene import ALWAYS
 from .document import Findings
 from .errors import quoted
 from .grammar.scene import BodyPart, TimeRange

@@ -10,6 +10,7 @@ from ...scheduler.motions import (
     Delayed,
     Fixed,
     Harmonic,
+    Interval,
     Motion,
     Orbit,
     Polynomial,
@@ -17,7 +18,7 @@ from ...scheduler.motions import (
     Screw,
     Swing,
 )
-from ...scheduler.scene import Interval, least_duration
+from ...scheduler.scene import least_duration
 from .document import Findings
 from .errors import Where
 from .folder import Folder
@@ -55,7 +56,7 @@ class MotionReader:
     def __init__(self, folder: Folder, scale: Scale, findings: Findings, time: Interval) -> None:
         """Take where trajectory files may lie, the file's units, what takes the faults, and the scene's time."""
         self.paths = PathReader(folder, scale, findings, least_duration(*time))
-        self._latest = max(map(abs, time))
+        self._time = time
         self._scale = scale
         self._findings = findings
 
@@ -79,7 +80,7 @@ class MotionReader:
         """
         where: Where = ("bodies", body, "motion")
         motion = self._motion(part, body, where, needed)
-        farthest = motion.extent(self._latest)
+        farthest = motion.extent(self._time)
         if not farthest <= FARTHEST_PLACE:
             problem = f"the motion's terms add up to {farthest:.2g} m within the scene's time"
             self._findings.fault(where, f"{problem}, expected at most {FARTHEST_PLACE:g} m")

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ...scheduler.motions import Fixed, Keyframes, Looped, Motion, Translation
-from ...scheduler.scene import FloatArray, Interval
+from ...scheduler.motions import Fixed, Interval, Keyframes, Looped, Motion, Translation
+from ...scheduler.scene import FloatArray
 from .document import Findings
 from .errors import Where, printable, quoted
 from .folder import Folder, FolderError

@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ...scheduler.chain import parents_first
-from ...scheduler.scene import Body, Interval, Scene, Settings, least_duration
+from ...scheduler.motions import Interval
+from ...scheduler.scene import Body, Scene, Settings, least_duration
 from .document import Findings
 from .errors import Where, in_order, quoted
 from .existence import existence, needed_times

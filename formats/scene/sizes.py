@@ -37,8 +37,7 @@ def warn_of_sizes(scene: Scene, names: tuple[str, ...], findings: Findings) -> N
     }
     distances = _distances(scene, centres)
     features = {index: min(size for size, _ in own) for index, own in shapes.items()}
-    latest = max(abs(scene.start), abs(scene.end))
-    terms = {index: scene.bodies[index].motion.extent(latest) for index in shapes}
+    terms = {index: scene.bodies[index].motion.extent((scene.start, scene.end)) for index in shapes}
     if not _warn_of_places(distances, features, names, findings):
         _warn_of_terms(terms, features, names, findings)
 

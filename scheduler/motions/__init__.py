@@ -1,7 +1,7 @@
 """The motions, each with sound bounds on how far its points get."""
 
 from .ballistic import Ballistic, Constant
-from .base import Axis, Fixed, Motion, Rates, Reach, Smooth
+from .base import Axis, Fixed, Interval, Motion, Rates, Reach, Smooth
 from .delayed import Delayed
 from .hermite import Translation
 from .keyframes import Keyframes
@@ -19,6 +19,7 @@ __all__ = [
     "Delayed",
     "Fixed",
     "Harmonic",
+    "Interval",
     "Keyframes",
     "Looped",
     "Motion",

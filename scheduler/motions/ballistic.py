@@ -7,7 +7,7 @@ from math import hypot, sqrt
 
 from ..rotation import FloatArray, chord, transform, turn
 from ..vector import ZERO, Vector, add, dot, norm, scale, subtract, unit
-from .base import Axis, Rates, Reach, Smooth
+from .base import Axis, Interval, Rates, Reach, Smooth, farthest_from_zero
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,13 +56,14 @@ class Ballistic(Smooth):
         speed = max(norm(self.velocities(t)[0]), norm(self.velocities(t + duration)[0]))
         return Rates(speed, 0.0, norm(self.angular_velocity), 0.0, self.acceleration)
 
-    def extent(self, latest: float) -> float:
+    def extent(self, times: Interval) -> float:
         """Return |v| t + |a| t^2 / 2."""
+        latest = farthest_from_zero(times)
         return norm(self.velocity) * latest + 0.5 * norm(self.acceleration) * latest * latest
 
-    def rounding_scale(self, latest: float, radius: float) -> float:
+    def rounding_scale(self, times: Interval, radius: float) -> float:
         """The translation's terms, and the spin's angle at `radius`."""
-        return self.extent(latest) + radius * (1.0 + norm(self.angular_velocity) * latest)
+        return self.extent(times) + radius * (1.0 + norm(self.angular_velocity) * farthest_from_zero(times))
 
 
 def Constant(velocity: Vector, angular_velocity: Vector) -> Ballistic:  # noqa: N802

@@ -14,6 +14,9 @@ from typing import NamedTuple, Protocol
 from ..rotation import IDENTITY, FloatArray, transform
 from ..vector import ZERO, Vector
 
+Interval = tuple[float, float]
+"""From and to, scene s."""
+
 
 class Axis(NamedTuple):
     """The line through `point` (m) along the unit vector `direction`."""
@@ -81,13 +84,18 @@ class Motion(Protocol):
         """Return the first time > t where every pair must wake: a jump, or the last float before it (inf: none)."""
         ...
 
-    def extent(self, latest: float) -> float:
-        """Return an upper bound (m) on the sum of the absolute terms of the translation, for |t| <= latest."""
+    def extent(self, times: Interval) -> float:
+        """Return an upper bound (m) on the sum of the absolute terms of the translation at any of the times."""
         ...
 
-    def rounding_scale(self, latest: float, radius: float) -> float:
-        """Return the length (m) that, times 8 eps, bounds the error of a point within `radius`, for |t| <= latest."""
+    def rounding_scale(self, times: Interval, radius: float) -> float:
+        """Return the length (m) that, times 8 eps, bounds the error of a point within `radius` at any of the times."""
         ...
+
+
+def farthest_from_zero(times: Interval) -> float:
+    """Return the largest |t| (s) of the times."""
+    return max(abs(times[0]), abs(times[1]))
 
 
 class Smooth:
@@ -133,10 +141,10 @@ class Fixed(Smooth):
         """Return zeros."""
         return Rates(0.0, 0.0, 0.0, 0.0)
 
-    def extent(self, latest: float) -> float:
+    def extent(self, times: Interval) -> float:
         """Return 0."""
         return 0.0
 
-    def rounding_scale(self, latest: float, radius: float) -> float:
+    def rounding_scale(self, times: Interval, radius: float) -> float:
         """Return 0."""
         return 0.0

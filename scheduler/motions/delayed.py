@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from ..rotation import FloatArray
 from ..vector import Vector
-from .base import Axis, Motion, Rates, Reach, Smooth
+from .base import Axis, Interval, Motion, Rates, Reach, Smooth, farthest_from_zero
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,13 +50,20 @@ class Delayed(Smooth):
         """Return the motion's at its own time."""
         return self.motion.rates(t - self.delay, duration)
 
-    def extent(self, latest: float) -> float:
-        """Return the motion's, for the farthest that its own clock gets from 0."""
-        return self.motion.extent(latest + abs(self.delay))
+    def extent(self, times: Interval) -> float:
+        """Return the motion's at its own times."""
+        return self.motion.extent(self._own(times))
 
-    def rounding_scale(self, latest: float, radius: float) -> float:
-        """The motion's own, and the way that any point goes in the time that t - delay is rounded by."""
-        farthest = latest + abs(self.delay)
-        rates = self.motion.rates(-latest - self.delay, 2.0 * latest)
+    def rounding_scale(self, times: Interval, radius: float) -> float:
+        """The motion's own, and the way that any point goes in the time that t - delay is rounded by.
+
+        That is half a spacing of floats at t - delay, not at t: the nearer both are, the less is lost.
+        """
+        first, last = own = self._own(times)
+        rates = self.motion.rates(first, last - first)
         speed = rates.speed + rates.angular_speed * radius
-        return self.motion.rounding_scale(farthest, radius) + speed * farthest
+        return self.motion.rounding_scale(own, radius) + speed * farthest_from_zero(own)
+
+    def _own(self, times: Interval) -> Interval:
+        """Return what the motion's own clock shows at both ends."""
+        return times[0] - self.delay, times[1] - self.delay

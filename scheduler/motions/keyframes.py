@@ -10,7 +10,7 @@ import numpy as np
 
 from ..rotation import FloatArray, chord
 from ..vector import ZERO, Vector, norm
-from .base import Axis, Rates, Reach
+from .base import Axis, Interval, Rates, Reach
 from .hermite import Translation, path_between
 from .path import Path
 from .spans import Span
@@ -107,13 +107,13 @@ class Keyframes:
         """Return the next jump, or the last float before it (inf: none)."""
         return stop_before(self.jump_after(t), t)
 
-    def extent(self, latest: float) -> float:
+    def extent(self, times: Interval) -> float:
         """Return the largest sum of the terms of any segment."""
         return self.path.extent
 
-    def rounding_scale(self, latest: float, radius: float) -> float:
+    def rounding_scale(self, times: Interval, radius: float) -> float:
         """The translation's terms and half a turn at `radius`: times are exact, so are seconds since a key."""
-        return 2.0 * self.extent(latest) + 5.0 * radius
+        return 2.0 * self.extent(times) + 5.0 * radius
 
     def segment(self, t: float) -> tuple[int, float]:
         """Return the key at or before t and the seconds since it, clamped to the first key."""

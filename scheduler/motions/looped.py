@@ -9,7 +9,7 @@ import numpy as np
 
 from ..rotation import FloatArray, chord
 from ..vector import Vector
-from .base import Axis, Rates, Reach
+from .base import Axis, Interval, Rates, Reach, farthest_from_zero
 from .bernstein import EPSILON
 from .keyframes import Keyframes, stop_before
 
@@ -114,20 +114,24 @@ class Looped:
             jump = self._boundary(loop + 1) if self._jumps else self._jump_within(loop + 1, 0.0)
         return stop_before(jump, t)
 
-    def extent(self, latest: float) -> float:
+    def extent(self, times: Interval) -> float:
         """Return the keys' extent."""
-        return self._own.extent(latest)
+        return self._own.extent(times)
 
-    def rounding_scale(self, latest: float, radius: float) -> float:
+    def rounding_scale(self, times: Interval, radius: float) -> float:
         """The keys' own, and the way gone at top speed in the time that a loop's start is rounded by.
 
-        A period that the floats near `latest` cannot resolve raises ValueError: the scene's reader refuses it first.
+        That is half a spacing of floats there, and twice that of the time since the first key: the period is rounded
+        too. A period that floats of the times cannot resolve raises ValueError: the scene's reader refuses it first.
         """
+        latest = farthest_from_zero(times)
         if self._period < SPACINGS * ulp(latest):
             raise ValueError(f"keys that repeat every {self._period!r} s cannot be told apart at {latest!r} s")
         speed = self._own.path.fastest + self._own.turning.fastest * radius
-        late = latest + abs(float(self.keys.times[0])) + abs(float(self.keys.times[-1]))
-        return self._own.rounding_scale(latest, radius) + speed * late
+        first = float(self.keys.times[0])
+        since = self._period + farthest_from_zero((times[0] - first, times[1] - first))
+        late = 0.125 * (latest + 2.0 * since)
+        return self._own.rounding_scale(times, radius) + speed * late
 
     def _boundary(self, loop: int) -> float:
         """Return the scene time at which a loop starts; the keys themselves are loop 0."""

@@ -7,7 +7,7 @@ from math import cos, sin
 
 from ..rotation import IDENTITY, FloatArray, chord, transform, turn
 from ..vector import ZERO, Vector, add, cross, scale
-from .base import Axis, Rates, Reach, Smooth
+from .base import Axis, Interval, Rates, Reach, Smooth, farthest_from_zero
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,14 +60,15 @@ class Orbit(Smooth):
         radius, rate = abs(self.radius), abs(self.rate)
         return Rates(rate * radius, rate * rate * radius, rate if self.facing else 0.0, 0.0)
 
-    def extent(self, latest: float) -> float:
+    def extent(self, times: Interval) -> float:
         """Return both terms' radii."""
         return 2.0 * abs(self.radius)
 
-    def rounding_scale(self, latest: float, radius: float) -> float:
+    def rounding_scale(self, times: Interval, radius: float) -> float:
         """The angle's terms at the orbit's radius; at the points' too where they turn."""
         farthest = abs(self.radius) + (radius if self.facing else 0.0)
-        return self.extent(latest) + farthest * (1.0 + abs(self.rate) * latest + abs(self.phase))
+        angle = abs(self.rate) * farthest_from_zero(times) + abs(self.phase)
+        return self.extent(times) + farthest * (1.0 + angle)
 
     def _radial(self, angle: float) -> Vector:
         """Return the unit vector from the rest origin to the body."""

@@ -7,7 +7,7 @@ from math import ceil, floor, fmod, hypot, pi, sin, sqrt
 
 from ..rotation import IDENTITY, FloatArray, apply, chord, transform, turn, turned_about
 from ..vector import ZERO, Vector, cross, distance_to_line, norm, scale
-from .base import Axis, Rates, Reach, Smooth
+from .base import Axis, Interval, Rates, Reach, Smooth
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,11 +49,11 @@ class Harmonic(Smooth):
         size = abs(self.amplitude)
         return Rates(size * w * largest_cos, size * w * w * largest_sin, 0.0, 0.0)
 
-    def extent(self, latest: float) -> float:
+    def extent(self, times: Interval) -> float:
         """Return the amplitude."""
         return abs(self.amplitude)
 
-    def rounding_scale(self, latest: float, radius: float) -> float:
+    def rounding_scale(self, times: Interval, radius: float) -> float:
         """The amplitude times the phase's size."""
         return abs(self.amplitude) * (1.0 + 2.0 * pi + abs(self.phase)) + radius
 
@@ -107,15 +107,15 @@ class Swing(Smooth):
         spin = size * w * largest_cos
         return Rates(radius * spin, bound, spin, size * w * w * largest_sin)
 
-    def extent(self, latest: float) -> float:
+    def extent(self, times: Interval) -> float:
         """Return 2 |point|."""
         return 2.0 * norm(self.point)
 
-    def rounding_scale(self, latest: float, radius: float) -> float:
+    def rounding_scale(self, times: Interval, radius: float) -> float:
         """The swing's arc times the phase's size, at the farthest of the points and the axis point."""
         size = abs(self.amplitude)
         farthest = radius + norm(self.point)
-        return self.extent(latest) + farthest * (1.0 + size * (2.0 + 2.0 * pi + abs(self.phase)))
+        return self.extent(times) + farthest * (1.0 + size * (2.0 + 2.0 * pi + abs(self.phase)))
 
     def _angle(self, t: float) -> float:
         return self.amplitude * sin(_phase(self, t))

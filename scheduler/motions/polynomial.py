@@ -8,7 +8,7 @@ import numpy as np
 
 from ..rotation import FloatArray, chord, transform, turn
 from ..vector import ZERO, Vector, add, norm, scale, unit
-from .base import Axis, Rates, Reach, Smooth
+from .base import Axis, Interval, Rates, Reach, Smooth, farthest_from_zero
 from .bernstein import Arc
 
 
@@ -49,7 +49,7 @@ class Polynomial(Smooth):
         if after == 0.0:
             return way.supremum(duration) + swept
         place = np.array(self._place(t))
-        rest = self._arc.away_from(place, self.extent(-t)).supremum(after)
+        rest = self._arc.away_from(place, self.extent((t, 0.0))).supremum(after)
         return max(way.supremum(before), rest) + swept
 
     def path_length(self, t: float, duration: float, reach: Reach) -> float:
@@ -79,14 +79,15 @@ class Polynomial(Smooth):
             acceleration = max(acceleration, self._arc.derivative().derivative().supremum(after))
         return Rates(speed, acceleration, spin, 0.0)
 
-    def extent(self, latest: float) -> float:
+    def extent(self, times: Interval) -> float:
         """Return the sum of every term's size."""
+        latest = farthest_from_zero(times)
         return sum(norm(c) * latest**k for k, c in enumerate(self.coefficients))
 
-    def rounding_scale(self, latest: float, radius: float) -> float:
+    def rounding_scale(self, times: Interval, radius: float) -> float:
         """The terms, each rounded twice a degree, and the spin's angle at `radius`."""
-        terms = self.extent(latest) * (1.0 + 0.25 * len(self.coefficients))
-        return terms + radius * (1.0 + norm(self.angular_velocity) * latest)
+        terms = self.extent(times) * (1.0 + 0.25 * len(self.coefficients))
+        return terms + radius * (1.0 + norm(self.angular_velocity) * farthest_from_zero(times))
 
     def _place(self, t: float) -> Vector:
         """Return the translation (Horner)."""

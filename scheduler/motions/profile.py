@@ -9,7 +9,7 @@ from math import copysign, hypot, inf, nextafter, sqrt
 
 from ..rotation import IDENTITY, FloatArray, apply, chord, transform, turn, turned_about
 from ..vector import ZERO, Vector, cross, distance_to_line, norm, scale
-from .base import Axis, Rates, Reach
+from .base import Axis, Interval, Rates, Reach
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,18 +101,18 @@ class Profile:
         """Return inf: no jumps."""
         return inf
 
-    def extent(self, latest: float) -> float:
+    def extent(self, times: Interval) -> float:
         """Return 2 |point|, or the larger of the two ends and the way between."""
         return 2.0 * norm(self.point) if self.turns else abs(self.begin) + abs(self.end - self.begin)
 
-    def rounding_scale(self, latest: float, radius: float) -> float:
+    def rounding_scale(self, times: Interval, radius: float) -> float:
         """The value's terms, and the way gone in the time that the knots are rounded by; of a turn its arc."""
         first, _, _, last = self._knots
-        late = self._top * (abs(first) + abs(last))
+        late = 0.5 * self._top * max(abs(first), abs(last))
         value = 2.0 * abs(self.begin) + 2.0 * abs(self.end - self.begin) + late
         if not self.turns:
             return value
-        return self.extent(latest) + (radius + norm(self.point)) * (1.0 + value)
+        return self.extent(times) + (radius + norm(self.point)) * (1.0 + value)
 
     def _phase(self, t: float) -> int:
         """Return how many knots lie at or before t: 0 before, 1 rising, 2 cruising, 3 braking, 4 after."""

@@ -7,7 +7,7 @@ from math import hypot, pi
 
 from ..rotation import FloatArray, apply, chord, turn, turned_about
 from ..vector import ZERO, Vector, add, cross, distance_to_line, norm, scale
-from .base import Axis, Rates, Reach, Smooth
+from .base import Axis, Interval, Rates, Reach, Smooth, farthest_from_zero
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,13 +51,14 @@ class Screw(Smooth):
         speed = hypot(self._advance_rate, self.rate * radius)
         return Rates(speed, self.rate**2 * radius, abs(self.rate), 0.0)
 
-    def extent(self, latest: float) -> float:
+    def extent(self, times: Interval) -> float:
         """Return 2 |point| + |h w| t."""
-        return 2.0 * norm(self.point) + self._advance_rate * latest
+        return 2.0 * norm(self.point) + self._advance_rate * farthest_from_zero(times)
 
-    def rounding_scale(self, latest: float, radius: float) -> float:
+    def rounding_scale(self, times: Interval, radius: float) -> float:
         """The translation's terms, and the angle at the farthest of the points and the axis point."""
-        return self.extent(latest) + (radius + norm(self.point)) * (1.0 + abs(self.rate) * latest)
+        angle = abs(self.rate) * farthest_from_zero(times)
+        return self.extent(times) + (radius + norm(self.point)) * (1.0 + angle)
 
     @property
     def _advance_rate(self) -> float:

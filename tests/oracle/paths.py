@@ -17,6 +17,9 @@ from .rigid import METRES, FloatArray, IntArray, numbers, pose_of, rigid
 
 PATHS = ("keyframes", "file")
 
+FOREVER = 1e300
+"""s: the period of a single key."""
+
 
 @dataclass(frozen=True, eq=False)
 class KeyPath:
@@ -91,11 +94,16 @@ class KeyPath:
         return knots[(knots >= start) & (knots <= end)]
 
     def named_around(self, time: float) -> tuple[str, str]:
-        """Return the names of the last named key at or before a time (s) and of the first after it."""
-        first, last = float(self.times[0]), float(self.times[-1])
-        if last > first and ((time < first and self.before == "loop") or (time >= last and self.after == "loop")):
-            time = first + (time - first) % (last - first)
-        named = [(float(t), name) for t, name in zip(self.times, self.names, strict=True) if name]
+        """Return the names of the last named key at or before a time (s) and of the first after it.
+
+        Where the keys repeat, those of the loops next to the time's own count too; a single key repeats once for ever.
+        """
+        first = float(self.times[0])
+        period = float(self.times[-1]) - first or FOREVER
+        least, most = -np.inf if self.before == "loop" else 0.0, np.inf if self.after == "loop" else 0.0
+        loops = np.unique(np.clip((time - first) // period + np.arange(-1.0, 2.0), least, most)).tolist()
+        keys = [(float(t), name) for t, name in zip(self.times, self.names, strict=True) if name]
+        named = [(t + loop * period, name) for loop in loops for t, name in keys]
         earlier = [name for t, name in named if t <= time]
         later = [name for t, name in named if t > time]
         return (earlier[-1] if earlier else "", later[0] if later else "")

@@ -190,8 +190,11 @@ def moved(before: FloatArray, after: FloatArray, extent: float) -> FloatArray:
 
 
 def seconds(message: Mapping[str, Any], epoch: int) -> float:
-    """Return a message's own time in scene seconds, from its timestamp (ns) and the run's epoch (ns)."""
-    return (int(message["timestamp"]) - epoch) * NANOSECOND
+    """Return a message's own time in scene seconds, from its timestamp (ns) and the run's epoch (ns).
+
+    The float nearest to it: where floats are farther apart than 1 ns, the very one that was written.
+    """
+    return (int(message["timestamp"]) - epoch) / 10**9
 
 
 def point(value: Mapping[str, float]) -> tuple[float, float, float]:
