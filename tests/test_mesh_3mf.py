@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
+from guarded import memory_limited, time_limited
 from mesh_files import CORE, ITEM, MODEL_RELATION, OBJECT, TRIANGLE_MESH, model_xml, package
 
 from closecall.formats.scene import threemf
@@ -196,8 +197,40 @@ def test_a_small_file_cannot_ask_for_any_number_of_triangles() -> None:
 
 
 def test_a_small_file_cannot_unpack_to_any_size(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(threemf, "LARGEST_PARTS", 2**20)
-    data = built(OBJECT + " " * 2**22)
+    data = built(OBJECT + " " * 2**23)
     assert len(data) < 2**14
+    with pytest.raises(MeshError, match=f"unpack to more than {2**22 + 100 * len(data)} bytes"):
+        read_3mf(data)
+    monkeypatch.setattr(threemf, "LARGEST_PARTS", 2**20)
     with pytest.raises(MeshError, match="unpack to more than 1048576 bytes"):
         read_3mf(data)
+
+
+COMPONENT = '<component objectid="1"/>'
+ATTRIBUTES = " ".join(f"b{i}=''" for i in range(200_000))
+
+
+@pytest.mark.parametrize(
+    ("resources", "build", "phrase"),
+    [
+        ("".join(f'<object id="{i}"/>' for i in range(MOST_PLACEMENTS + 1)), ITEM, "more than 100000 objects"),
+        (OBJECT, ITEM * (MOST_PLACEMENTS + 1), "more than 100000 objects, components and items"),
+        (
+            f'<object id="2"><components>{COMPONENT * (MOST_PLACEMENTS + 1)}</components></object>',
+            ITEM,
+            "more than 100000",
+        ),
+        ("".join(f"<x:n{i}/>" for i in range(1001)), ITEM, "elements have more than 1000 different names"),
+        (f"<!-- {'x' * 2**21} -->", ITEM, "an element or a comment has more than 1048576 bytes"),
+        (f"<x:a {ATTRIBUTES}/>", ITEM, "line 3: an element or a comment has more"),
+    ],
+    ids=["objects", "items", "components", "names", "comment", "attributes"],
+)
+def test_a_small_file_cannot_hold_any_number_of_things(resources: str, build: str, phrase: str) -> None:
+    data = package(model_xml(resources, build), method=zipfile.ZIP_STORED)
+    with memory_limited(), time_limited(), pytest.raises(MeshError, match=phrase):
+        read_3mf(data)
+
+
+def test_a_long_text_between_elements_is_passed_over() -> None:
+    assert len(corners_of(package(model_xml(OBJECT + "\n" * 2**21), method=zipfile.ZIP_STORED))) == 1

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from scene_files import HEAD, fault, faults, load
 
+from closecall.formats.scene import names
 from closecall.scheduler.scene import PairRules, PairSet
 
 BODIES = f"{HEAD}bodies:\n  a: {{groups: [g]}}\n  b: {{groups: [g]}}\n  c: {{groups: [h]}}\n"
@@ -96,3 +97,16 @@ def test_existence_of_bodies_is_kept(tmp_path: Path) -> None:
     assert bodies.bodies[0].exists == (0.25, 0.5)
     assert bodies.shared_time(0, 1) == (0.25, 0.5)
     assert bodies.shared_time(1, 2) == (0.0, 1.0)
+
+
+def test_a_small_file_cannot_ask_for_any_number_of_pattern_comparisons(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(names, "MOST_PATTERN_COMPARISONS", 3 * 3)
+    again = ", ".join(["{between: ['*', 'a*']}, {between: [g, 'c?*']}, {between: [c, a]}"] * 20).replace("c?*", "[c]")
+    assert len(rules(tmp_path, f"ignore: [{again}]").ignored) == 60
+    told = faults(tmp_path, f"{BODIES}pairs: {{ignore: [{again}, {{between: ['?', '[a-z]']}}]}}\n")
+    assert [line.split(": ")[1:] for line in told] == [
+        [f"pairs.ignore[60].between[{side}]", "too many patterns for so many bodies, use groups instead"]
+        for side in range(2)
+    ]

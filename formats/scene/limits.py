@@ -6,6 +6,9 @@ LARGEST_DOCUMENT = 64 * 2**20
 DEEPEST_NESTING = 64
 """Mappings and lists within each other. A deeper document is refused."""
 
+MOST_PATTERN_COMPARISONS = 20_000_000
+"""Of different patterns in `pairs` with names of bodies, some 5 s. What would take more is refused."""
+
 LARGEST_NUMBER = 1e15
 """In the file's units. Beyond it squares and products would near the end of float64."""
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import unicodedata
 from collections.abc import Iterable, Iterator, Mapping
 from fnmatch import translate
-from functools import lru_cache
-from re import Pattern, compile
+from re import compile
 
 from .document import Findings
 from .errors import Where, quoted
 from .grammar.scene import BodyPart
+from .limits import MOST_PATTERN_COMPARISONS
 
 WORLD = "world"
 _FORBIDDEN = frozenset("\"'/*?[]|")
@@ -66,6 +66,8 @@ class Bodies:
         self.names = tuple(declared("bodies", bodies, findings))
         self.indices = {name: index for index, name in enumerate(self.names)}
         self._groups: dict[str, set[int]] = {}
+        self._matches: dict[str, frozenset[int]] = {}
+        self._comparisons_left = MOST_PATTERN_COMPARISONS
         for index, (name, body) in enumerate(bodies.items()):
             for place, group in enumerate(body.groups):
                 self._join(index, normal(group), ("bodies", name, "groups", place))
@@ -90,21 +92,30 @@ class Bodies:
     def matching(self, pattern: str, where: Where) -> frozenset[int]:
         """Return the bodies that a name, a group or a pattern stands for; none, and a fault, if it matches none."""
         key = normal(pattern)
+        if key not in self._matches:
+            self._matches[key] = self._found(key)
+        found = self._matches[key]
+        if not found:
+            self._findings.fault(where, self._why_none(pattern))
+        return found
+
+    def _found(self, key: str) -> frozenset[int]:
         if key in self.indices:
             return frozenset({self.indices[key]})
         if key in self._groups:
             return frozenset(self._groups[key])
         if _GLOB.isdisjoint(key):
-            near = self._findings.suggestion(pattern, (*self.indices, *self._groups))
-            self._findings.fault(where, f"unknown body or group {quoted(pattern)}{near}")
             return frozenset()
-        expression = _compiled(key)
-        found = frozenset(index for index, name in enumerate(self.names) if expression.match(name))
-        if not found:
-            self._findings.fault(where, f"the pattern {quoted(pattern)} matches no body")
-        return found
+        self._comparisons_left -= len(self.names)
+        if self._comparisons_left < 0:
+            return frozenset()
+        expression = compile(translate(key))
+        return frozenset(index for index, name in enumerate(self.names) if expression.match(name))
 
-
-@lru_cache(maxsize=1024)
-def _compiled(pattern: str) -> Pattern[str]:
-    return compile(translate(pattern))
+    def _why_none(self, pattern: str) -> str:
+        if _GLOB.isdisjoint(pattern):
+            near = self._findings.suggestion(pattern, (*self.indices, *self._groups))
+            return f"unknown body or group {quoted(pattern)}{near}"
+        if self._comparisons_left < 0:
+            return "too many patterns for so many bodies, use groups instead"
+        return f"the pattern {quoted(pattern)} matches no body"

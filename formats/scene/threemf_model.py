@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...scheduler.scene import FloatArray, IntArray
+from .assembly import MOST_PLACEMENTS
 from .errors import quoted
 from .surface import MeshError, used_only
 
@@ -71,6 +72,7 @@ class ModelReader:
         self._object = ModelObject()
         self._coordinates = array("d")
         self._corners = array("q")
+        self._things = 0
         shape = ("model", "resources", "object")
         self._begins = {
             ("model",): self._begin_model,
@@ -121,11 +123,18 @@ class ModelReader:
                 raise MeshError(f"{what}, which is not supported by this version")
 
     def _begin_object(self, attributes: _Attributes) -> None:
+        self._count()
         name = attributes.get("id", "")
         if not name or name in self.model.objects:
             raise MeshError(f"expected an object with an id of its own, got {quoted(name)}")
         self._object = self.model.objects[name] = ModelObject()
         self._coordinates, self._corners = array("d"), array("q")
+
+    def _count(self) -> None:
+        """Count one more object or placement."""
+        self._things += 1
+        if self._things > MOST_PLACEMENTS:
+            raise MeshError(f"the model has more than {MOST_PLACEMENTS} objects, components and items")
 
     def _vertex(self, attributes: _Attributes) -> None:
         self._coordinates.extend([_number(attributes.get(axis, "")) for axis in ("x", "y", "z")])
@@ -143,9 +152,11 @@ class ModelReader:
         self._object.vertices, self._object.triangles = used_only(vertices, triangles)
 
     def _component(self, attributes: _Attributes) -> None:
+        self._count()
         self._object.components.append(_placement(attributes))
 
     def _item(self, attributes: _Attributes) -> None:
+        self._count()
         self.model.items.append(_placement(attributes))
 
 
