@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+import struct
 from collections.abc import Callable
 from typing import Any
 
@@ -51,6 +52,14 @@ def test_ply_is_read_with_the_line_ends_of_any_system(ending: bytes) -> None:
     head, mark, body = binary_ply(TRIANGLE_AND_SQUARE).partition(b"end_header\n")
     binary = (head + mark).replace(b"\n", ending) + body
     assert_holds(read_ply(binary), HALVES)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_signalling_nan_is_refused_without_a_word_from_numpy() -> None:
+    data = binary_ply(vertices=((0, 0, 0), (123, 0, 0), (1, 1, 0), (0, 1, 0)))
+    signalling = data.replace(struct.pack("<f", 123), b"\1\0\x80\x7f")
+    with pytest.raises(MeshError, match="vertex 2 of 4 has a coordinate that is not finite"):
+        read_ply(signalling)
 
 
 @pytest.mark.parametrize(

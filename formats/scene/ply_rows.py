@@ -122,7 +122,9 @@ class BinaryRows:
             rows = [[parts[column][0] for column in columns] for parts in self._rows(element)]
             values: FloatArray = np.array(rows, dtype=np.float64).reshape(-1, 3)
         else:
-            values = np.column_stack([table[f"values {column}"].astype(np.float64).reshape(-1) for column in columns])
+            with np.errstate(invalid="ignore"):  # a signalling NaN, which is refused with all others
+                parts = [table[f"values {column}"].astype(np.float64).reshape(-1) for column in columns]
+            values = np.column_stack(parts)
         bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
         if len(bad):
             raise MeshError(f"vertex {bad[0] + 1} of {len(values)} has a coordinate that is not finite")
