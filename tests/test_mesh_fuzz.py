@@ -1,4 +1,4 @@
-"""Whatever bytes come: a mesh reader returns a whole surface or refuses them in one line, soon."""
+"""Whatever bytes come: a mesh reader returns a whole surface or refuses them in one line, soon and in little memory."""
 
 from __future__ import annotations
 
@@ -8,9 +8,12 @@ import struct
 import warnings
 import zipfile
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
+from guarded import memory_limited, time_limited
 from mesh_files import (
     MODEL_RELATION,
     OBJECT,
@@ -133,19 +136,35 @@ def sources() -> Iterator[tuple[str, Read, Callable[[random.Random], bytes]]]:
     yield "stl binary", read_stl, plain(b"x" * 80 + struct.pack("<I12fH", 1, *range(12), 0))
 
 
-@pytest.mark.parametrize(("read", "make"), [pytest.param(read, make, id=name) for name, read, make in sources()])
+SAMPLES = Path(__file__).parents[1] / "sample_scenes"
+
+
+def whole_files() -> Iterator[tuple[str, Read, Callable[[random.Random], bytes]]]:
+    """Yield files as programs write them, with some hundred triangles: each change leaves most of one as it was."""
+    for name, read in (("near_gears/pinion.obj", read_obj), ("asteroids/small.stl", read_stl)):
+        yield name, read, plain((SAMPLES / name).read_bytes())
+    ball = trimesh.creation.icosphere(1)
+    for kind, read in (("ply", read_ply), ("off", read_off), ("glb", read_glb), ("stl_ascii", read_stl)):
+        data = ball.export(file_type=kind)
+        yield f"ball as {kind}", read, plain(data if isinstance(data, bytes) else data.encode())
+
+
+@pytest.mark.parametrize(
+    ("read", "make"), [pytest.param(read, make, id=name) for name, read, make in (*sources(), *whole_files())]
+)
 @pytest.mark.parametrize("count", [500, pytest.param(20000, marks=pytest.mark.deep)])
 def test_broken_files_are_read_whole_or_refused_in_one_line(
     read: Read, make: Callable[[random.Random], bytes], count: int
 ) -> None:
     rng = random.Random(7)
     surfaces, messages = 0, []
-    with warnings.catch_warnings():
+    with memory_limited(), warnings.catch_warnings():
         warnings.simplefilter("error")
         for _ in range(count):
             data = make(rng)
             try:
-                surface = read(data)
+                with time_limited():
+                    surface = read(data)
             except MeshError as error:
                 messages.append(error.message)
                 continue
