@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from copy import deepcopy
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -235,7 +236,7 @@ def _mutate(source: Random, document: Any) -> None:
     owner, key = source.choice(places)
     match source.randrange(5):
         case 0:
-            owner[key] = source.choice(WRONG)
+            owner[key] = deepcopy(source.choice(WRONG))  # what comes next may change it
         case 1:
             del owner[key]
         case 2 if isinstance(owner, dict):

@@ -12,42 +12,59 @@ def two(first: str, second: str) -> str:
     return f"{HEAD}bodies:\n  one: {{shapes: [{first}]}}\n  other: {{shapes: [{second}]}}\n"
 
 
-@pytest.mark.parametrize(
-    ("one", "other"),
-    [
-        ("{sphere: 100}", "{sphere: 0.19}"),
-        ("{box: [1, 2, 600]}", "{box: [1, 1, 1]}"),
-        ("{capsule: {radius: 100, length: 100}}", "{capsule: {radius: 0.1, length: 0.3}}"),
-        ("{cylinder: {radius: 1, length: 600}}", "{cone: {radius: 0.25, length: 1}}"),
-    ],
-)
-def test_bodies_over_500_times_apart_in_size_are_warned_of(tmp_path: Path, one: str, other: str) -> None:
-    (line,) = warnings(tmp_path, two(one, other))
-    assert line.startswith("6:19: bodies.other.shapes: is ")
-    assert "times smaller than 'one' (" in line
-    assert line.endswith(": is a unit wrong, mm for m?")
-    (line,) = warnings(tmp_path, two(other, one))
-    assert line.startswith("5:17: bodies.one.shapes: is ")
-
-
-def test_bodies_500_times_apart_in_size_are_not_warned_of(tmp_path: Path) -> None:
-    assert warnings(tmp_path, two("{sphere: 100}", "{sphere: 0.2}")) == []
-    assert warnings(tmp_path, two("{box: [500, 1, 1]}", "{box: [1, 0.01, 0.01]}")) == []
-
-
-def test_a_body_is_as_large_as_its_largest_shape(tmp_path: Path) -> None:
-    assert warnings(tmp_path, two("{sphere: 100}", "{sphere: 0.1}, {sphere: 1}")) == []
-
-
-def test_a_mesh_in_the_wrong_unit_is_warned_of(tmp_path: Path) -> None:
-    (tmp_path / "m.obj").write_text(TETRAHEDRON.replace("1", "300", 3))
-    text = f"{HEAD}meshes: {{m: {{file: m.obj, units: UNIT}}}}\n" + two("{sphere: 150}", "{mesh: m}")[len(HEAD) :]
-    assert warnings(tmp_path, text.replace("UNIT", "mm")) == []
-    (line,) = warnings(tmp_path, text.replace("UNIT", "m"))
-    assert line == "6:17: bodies.one.shapes: is 0.3 m in size, 1e+03 times smaller than 'other' (300 m): " + (
-        "is a unit wrong, mm for m?"
+def beside(folder: Path, size: float, *others: str, units: str = "m", scale: str = "1") -> list[str]:
+    """Return the warnings of a scene with a mesh file of this size, from 0 to it along x, y and z, and other shapes."""
+    (folder / "m.obj").write_text(TETRAHEDRON.replace("1", str(size), 3))
+    meshes = f"meshes: {{part: {{file: m.obj, units: {units}}}}}\n"
+    bodies = "".join(f"  b{i}: {{shapes: [{shape}]}}\n" for i, shape in enumerate(others))
+    mesh = f"{{mesh: part, scale: {scale}}}"
+    return warnings(
+        folder, f"{HEAD}{meshes}bodies:\n  one: {{shapes: [{mesh}]}}\n  two: {{shapes: [{mesh}]}}\n{bodies}"
     )
-    assert warnings(tmp_path, text.replace("UNIT", "m").replace("mesh: m", "mesh: m, scale: 0.001")) == []
+
+
+def test_a_mesh_file_in_the_wrong_unit_is_warned_of(tmp_path: Path) -> None:
+    around = ("{sphere: 150}", "{box: [100, 20, 20]}", "{box: [900, 20, 20]}")
+    assert beside(tmp_path, 300, *around, units="mm") == []
+    assert beside(tmp_path, 300, *around, units="m", scale="0.001") == []
+    assert beside(tmp_path, 300, *around, units="m") == [
+        "4:37: meshes.part.units: the mesh is 300 m in size, 1000 times larger than what else there is "
+        "(the median is 0.3 m): is a unit wrong, mm for m?"
+    ]
+    assert beside(tmp_path, 0.3, *around, units="mm") == [
+        "4:37: meshes.part.units: the mesh is 0.0003 m in size, 1000 times smaller than what else there is "
+        "(the median is 0.3 m): is a unit wrong, mm for m?"
+    ]
+
+
+def test_a_mesh_file_is_warned_of_beyond_500_times_the_median_of_all_else(tmp_path: Path) -> None:
+    for size in (0.2, 100, 50_000):
+        assert beside(tmp_path, size, "{sphere: 50}", units="mm") == []
+        assert beside(tmp_path, size, "{sphere: 5}", "{sphere: 50}", "{sphere: 500}", units="mm") == []
+        assert beside(tmp_path, size, "{sphere: 5}", "{sphere: 500}", units="mm") == []
+    for size in (0.199, 50_001):
+        assert len(beside(tmp_path, size, "{sphere: 50}", units="mm")) == 1
+        assert len(beside(tmp_path, size, "{sphere: 5}", "{sphere: 50}", "{sphere: 500}", units="mm")) == 1
+        assert len(beside(tmp_path, size, "{sphere: 5}", "{sphere: 500}", units="mm")) == 1
+
+
+def test_a_file_alone_has_nothing_to_be_compared_with(tmp_path: Path) -> None:
+    assert beside(tmp_path, 300) == []
+
+
+def test_a_screw_beside_a_bench_is_not_warned_of(tmp_path: Path) -> None:
+    assert warnings(tmp_path, two("{box: [6000, 900, 800]}", "{capsule: {radius: 3, length: 4}}")) == []
+    assert warnings(tmp_path, two("{ellipsoid: [1e9, 1e9, 1e9]}", "{box: [1, 1, 1]}")) == []
+    assert beside(tmp_path, 10, "{box: [6000, 900, 800]}", "{box: [300, 80, 80]}", "{sphere: 25}", units="mm") == []
+
+
+def test_every_mesh_in_the_wrong_unit_makes_the_one_that_is_right_stand_out(tmp_path: Path) -> None:
+    for i, size in enumerate((100, 200, 300, 0.05)):
+        (tmp_path / f"{i}.obj").write_text(TETRAHEDRON.replace("1", str(size), 3))
+    meshes = ", ".join(f"link{i}: {{file: {i}.obj, units: m}}" for i in range(4))
+    bodies = ", ".join(f"b{i}: {{shapes: [{{mesh: link{i}}}]}}" for i in range(4))
+    (line,) = warnings(tmp_path, f"{HEAD}meshes: {{{meshes}}}\nbodies: {{{bodies}}}\n")
+    assert ": meshes.link3.units: the mesh is 0.05 m in size, 4000 times smaller than" in line
 
 
 def test_a_mesh_without_any_size_is_not_measured_against_others(tmp_path: Path) -> None:
@@ -55,11 +72,6 @@ def test_a_mesh_without_any_size_is_not_measured_against_others(tmp_path: Path) 
     meshes = f"{HEAD}meshes: {{m: {{file: m.obj, units: mm}}}}\n"
     told = warnings(tmp_path, meshes + two("{sphere: 150}", "{mesh: m}")[len(HEAD) :])
     assert [line.split(": ")[1] for line in told] == ["meshes.m.file"] * 2
-
-
-def test_a_scene_is_warned_of_sizes_once_however_many_bodies_there_are(tmp_path: Path) -> None:
-    small = "".join(f"  small{i}: {{shapes: [{{sphere: 0.1}}]}}\n" for i in range(20))
-    assert len(warnings(tmp_path, two("{sphere: 100}", "{sphere: 100}") + small)) == 1
 
 
 FAR = "rounding may show, move the origin"
@@ -143,12 +155,14 @@ def test_warnings_come_in_the_order_of_the_file(tmp_path: Path) -> None:
     (tmp_path / "open.obj").write_text("v 0 0 0\nv 300 0 0\nv 0 300 0\nf 1 2 3\n")
     text = (
         f"{HEAD}bodies:\n  a: {{motion: {{type: keyframes, keys: [{{t: 0}}, {{t: 1, rpy: [0, 0, 160]}}]}}}}\n"
-        "  b: {shapes: [{sphere: 0.1}]}\n  c: {shapes: [{mesh: m}]}\nmeshes: {m: {file: open.obj, units: mm}}\n"
+        "  b: {pose: {xyz: [1e6, 0, 0]}, shapes: [{sphere: 0.1}]}\n  c: {shapes: [{mesh: m}]}\n"
+        "meshes: {m: {file: open.obj, units: mm}}\n"
     )
     assert [line.split(": ")[1] for line in warnings(tmp_path, text)] == [
         "bodies.a.motion.keys[1]",
         "bodies.b.shapes",
         "meshes.m.file",
+        "meshes.m.units",
     ]
 
 

@@ -43,7 +43,7 @@ PERPENDICULAR_TOLERANCE = 1e-6
 """How far the cosine between an orbit's axis and start may be from 0. Within it the rest is projected out."""
 
 UNLIKELY_RATIO = 500.0
-"""Bodies that differ in size by more are warned of: one of them may be in another unit."""
+"""A mesh file this many times larger or smaller than the rest of its scene is warned of: its unit may be another."""
 
 COARSE_PLACE = 1e6
 """A body farther from the origin than this many times its smallest shape is warned of: floats are coarse there."""

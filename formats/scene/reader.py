@@ -67,7 +67,7 @@ class _Reading:
         rules = pair_rules(self._file.pairs, self._bodies, self._scale, self._findings)
         self._findings.stop_if_faulty()
         scene = Scene(bodies, time.start, time.end, rules)
-        warn_of_sizes(scene, tuple(self._file.bodies), self._findings)
+        warn_of_sizes(scene, tuple(self._file.bodies), self._shapes.shown, self._findings)
         return LoadedScene(
             path=path,
             source=source,

@@ -24,6 +24,7 @@ class ShapeReader:
 
     Attributes:
         files: the mesh files, in document order.
+        shown: the meshes of those files that shapes show, each with its key in the scene's `meshes`.
     """
 
     def __init__(
@@ -34,6 +35,8 @@ class ShapeReader:
         self._findings = findings
         self._folder = folder
         self.files: list[InputFile] = []
+        self.shown: dict[Mesh, str] = {}
+        self._keys = {normal(key): key for key in meshes}
         self._meshes = {
             name: self._read_mesh(name, ("meshes", key), part)
             for name, (key, part) in zip(declared("meshes", meshes, findings), meshes.items(), strict=True)
@@ -84,7 +87,9 @@ class ShapeReader:
             near = self._findings.suggestion(part.mesh, self._meshes)
             self._findings.fault(where, f"unknown mesh {quoted(part.mesh)}{near}, expected a name from meshes")
         mesh = self._meshes.get(key)
-        if mesh is None or part.scale == 1.0:
-            return mesh
+        if mesh is None:
+            return None
         each = part.scale if isinstance(part.scale, tuple) else (part.scale,) * 3
-        return self._folder.scaled(mesh, each)
+        scaled = self._folder.scaled(mesh, each)
+        self.shown.setdefault(scaled, self._keys[key])
+        return scaled

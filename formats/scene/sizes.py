@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from math import sqrt
+
 import numpy as np
 
 from ...scheduler.chain import parents_first
-from ...scheduler.scene import FloatArray, Mesh, Scene
+from ...scheduler.scene import FloatArray, Mesh, Scene, Shape
 from ...scheduler.snapshot import world_poses
 from .document import Findings
-from .errors import Where, quoted
+from .errors import Where
 from .limits import COARSE_PLACE, COARSE_TERMS, UNLIKELY_RATIO
 
 
-def warn_of_sizes(scene: Scene, names: tuple[str, ...], findings: Findings) -> None:
-    """Warn where bodies differ in size, or lie so far from the origin, as only a wrong unit would explain.
+def warn_of_sizes(scene: Scene, names: tuple[str, ...], files: Mapping[Mesh, str], findings: Findings) -> None:
+    """Warn where a mesh file's size, or a body's distance from the origin, is such as only a wrong unit would explain.
 
-    Each is told once, of the worst body: what is wrong with one is often wrong with thousands.
+    Each is told once, of the worst: what is wrong with one is often wrong with thousands.
 
     Args:
         scene: in SI.
         names: of its bodies, as written.
+        files: the meshes that come from files, each with its key in the scene's `meshes`.
         findings: takes the warnings.
     """
     boxes = {shape.mesh: _box(shape.mesh) for body in scene.bodies for shape in body.shapes}
@@ -31,7 +35,7 @@ def warn_of_sizes(scene: Scene, names: tuple[str, ...], findings: Findings) -> N
     shapes = {index: those for index, own in sized.items() if (those := [one for one in own if one[0] > 0.0])}
     if not shapes:
         return
-    _warn_of_ratio({index: max(size for size, _ in own) for index, own in shapes.items()}, names, findings)
+    _warn_of_units(list(shapes.values()), files, findings)
     centres = {
         index: np.array([(shape.pose @ boxes[shape.mesh][0])[:3] for _, shape in own]) for index, own in shapes.items()
     }
@@ -42,13 +46,42 @@ def warn_of_sizes(scene: Scene, names: tuple[str, ...], findings: Findings) -> N
         _warn_of_terms(terms, features, names, findings)
 
 
-def _warn_of_ratio(sizes: dict[int, float], names: tuple[str, ...], findings: Findings) -> None:
-    """Warn if one of the sizes (m) of bodies is so much less than another."""
-    small, large = min(sizes, key=sizes.__getitem__), max(sizes, key=sizes.__getitem__)
-    if sizes[large] > UNLIKELY_RATIO * sizes[small]:
-        than = f"{quoted(names[large])} ({sizes[large]:.3g} m)"
-        problem = f"is {sizes[small]:.3g} m in size, {sizes[large] / sizes[small]:.3g} times smaller than {than}"
-        findings.warn(_shapes(names[small]), f"{problem}: is a unit wrong, mm for m?")
+def _warn_of_units(bodies: list[list[tuple[float, Shape]]], files: Mapping[Mesh, str], findings: Findings) -> None:
+    """Warn if a mesh file is so much larger or smaller than the rest of the scene: its unit is said, not known.
+
+    Shapes that the scene itself spells out are all in one unit, so that a bolt beside a hall is meant as it is.
+
+    Args:
+        bodies: of each, its shapes with their sizes (m).
+        files: as in `warn_of_sizes`.
+        findings: takes the warning.
+    """
+    sizes: dict[str | int, float] = {}
+    for index, own in enumerate(bodies):
+        for size, shape in own:
+            thing = files.get(shape.mesh, index)  # a file counts once, however many bodies show it
+            sizes[thing] = max(size, sizes.get(thing, 0.0))
+    if len(sizes) < 2:
+        return
+    things = sorted(sizes, key=sizes.__getitem__)
+    ordered = [sizes[thing] for thing in things]
+    medians = {thing: _median_without(ordered, place) for place, thing in enumerate(things) if isinstance(thing, str)}
+    ratios = {key: max(sizes[key] / median, median / sizes[key]) for key, median in medians.items()}
+    worst = max(ratios, key=ratios.__getitem__, default="")
+    if worst and ratios[worst] > UNLIKELY_RATIO:
+        compared = "smaller" if sizes[worst] < medians[worst] else "larger"
+        problem = (
+            f"the mesh is {sizes[worst]:.3g} m in size, {ratios[worst]:.0f} times {compared} than what else there is"
+        )
+        median = f"the median is {medians[worst]:.3g} m"
+        findings.warn(("meshes", worst, "units"), f"{problem} ({median}): is a unit wrong, mm for m?")
+
+
+def _median_without(ordered: list[float], place: int) -> float:
+    """Return the median (geometric, of two in the middle) of increasing positive numbers, two or more, without one."""
+    count = len(ordered) - 1
+    below, above = (ordered[middle + (middle >= place)] for middle in ((count - 1) // 2, count // 2))
+    return sqrt(below) * sqrt(above)
 
 
 def _warn_of_places(
