@@ -123,4 +123,5 @@ def _settings(scene: Scene, settings: Settings, options: RunOptions) -> Settings
             option = "--" + name.replace("_", "-")
             raise click.BadParameter(f"expected at least {least:.3g} s, got {value}.", param_hint=option)
     margin = settings.margin if options.margin is None else options.margin
-    return replace(settings, margin=margin, **chosen)
+    share = settings.distance_tolerance if options.distance_tolerance is None else options.distance_tolerance
+    return replace(settings, margin=margin, distance_tolerance=None if share == "none" else share, **chosen)

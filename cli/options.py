@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import nan
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar
 
 import click
 
@@ -24,6 +25,7 @@ class RunOptions:
     time_resolution: float | None
     contact_tolerance: float | None
     margin: float | None
+    distance_tolerance: float | Literal["none"] | None
     fail_on: tuple[str, ...]
     epoch: int
     compression: str
@@ -49,6 +51,21 @@ def _findings(ctx: click.Context, param: click.Parameter, value: str | None) -> 
         if part not in FINDINGS:
             raise click.BadParameter(f"{part!r} is not one of {', '.join(FINDINGS)}.", ctx, param)
     return chosen
+
+
+def _share(ctx: click.Context, param: click.Parameter, value: str | None) -> float | Literal["none"] | None:
+    """Read a share below 1, or none."""
+    if value is None:
+        return None
+    if value == "none":
+        return "none"
+    try:
+        share = float(value)
+    except ValueError:
+        share = nan
+    if not 1e-6 <= share < 1.0:
+        raise click.BadParameter(f"expected none, or a share of 1e-6 up to 1, got {value!r}.", ctx, param)
+    return share
 
 
 def _rate(ctx: click.Context, param: click.Parameter, value: float) -> float:
@@ -81,6 +98,12 @@ _OPTIONS = (
     click.option("--time-resolution", type=float, metavar="S", help="Least step of the main loop, s."),
     click.option("--contact-tolerance", type=float, metavar="S", help="Widest bracket of a begin or end, s."),
     click.option("--margin", type=float, metavar="M", help="Nearer than this is a breach, m."),
+    click.option(
+        "--distance-tolerance",
+        callback=_share,
+        metavar="SHARE",
+        help="Certify each least distance to this share of it, or none.  [default: 0.01]",
+    ),
     click.option("--fail-on", callback=_findings, metavar="WHAT", help=f"Exit 1 if found: {','.join(FINDINGS)}."),
     click.option("--epoch", type=int, default=0, show_default=True, metavar="NS", help="Added to log times, ns."),
     click.option("--compression", type=click.Choice(["zstd", "lz4", "none"]), default="zstd", show_default=True),

@@ -27,6 +27,7 @@ def shown(events: Iterable[Event], start: float, end: float, title: str) -> Iter
         TimeRemainingColumn(compact=True),
     )
     wakeups = contacts = 0
+    latest = start
     with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task(title, total=end - start, now=start, end=end, wakeups=0, contacts=0)
         for event in events:
@@ -35,6 +36,6 @@ def shown(events: Iterable[Event], start: float, end: float, title: str) -> Iter
                 contacts += event.phase is Phase.BEGIN
             elif isinstance(event, Wakeup):
                 wakeups += 1
+                latest = max(latest, event.time)
                 if wakeups % WAKEUPS_PER_UPDATE == 0:
-                    completed = event.time - start
-                    bar.update(task, completed=completed, now=event.time, wakeups=wakeups, contacts=contacts)
+                    bar.update(task, completed=latest - start, now=latest, wakeups=wakeups, contacts=contacts)

@@ -31,6 +31,7 @@ def understood(loaded: LoadedScene, pairs: Sequence[Pair]) -> dict[str, Any]:
             "time_resolution": settings.time_resolution,
             "contact_tolerance": settings.contact_tolerance,
             "margin": settings.margin,
+            "distance_tolerance": settings.distance_tolerance,
         },
         "bodies": [_body(scene, body, files) for body in scene.bodies],
         "pairs": len(pairs),

@@ -21,6 +21,7 @@ class Reason(Enum):
     CONTACT = 6
     REFINE = 7
     END = 8
+    MINIMUM = 9
 
 
 class Level(Enum):

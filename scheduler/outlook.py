@@ -17,26 +17,27 @@ LOOKAHEAD = 16.0
 class Outlook:
     """The bounds that hold from one measurement of a pair on."""
 
-    def __init__(self, pair: Pair, measurement: Measurement) -> None:
-        """Look ahead from a measurement, of bodies apart."""
+    def __init__(self, pair: Pair, measurement: Measurement, keeps: float) -> None:
+        """Look ahead from a measurement of bodies apart; sleeps are to keep them more than `keeps` m apart."""
         self._pair = pair
         self._measurement = measurement
+        self._keeps = keeps
         self._slabs: Slabs | None = None
         self._looked = 0.0  # s ahead
 
     def sleep(self, horizon: float, floor: float) -> tuple[float, Bound]:
-        """Return the longest sleep (s, <= horizon) for which the standing is proved, and the bound that allows it.
+        """Return the longest sleep (s, <= horizon) proved to keep the bodies apart, and the bound that allows it.
 
         Args:
             horizon: s, the longest sleep of interest, before the next stop.
             floor: s, the least step that will be taken.
         """
         here = self._measurement
-        sleep, bound = self._pair.motion.sleep(here.moments, here.time, here.spare, horizon)
+        sleep, bound = self._pair.motion.sleep(here.moments, here.time, here.clearance - self._keeps, horizon)
         if sleep >= min(horizon, STEPS_TOO_FEW * floor):
             return sleep, bound
         slabs = self._look(min(horizon, LOOKAHEAD * max(sleep, floor)))
-        farther = 0.0 if slabs is None else shortened(here.time, slabs.sleep(here.keeps))
+        farther = 0.0 if slabs is None else shortened(here.time, slabs.sleep(self._keeps))
         return (farther, Bound.DIRECTIONAL) if farther > sleep else (sleep, bound)
 
     def proof(self, after: Measurement) -> Proof:
@@ -44,7 +45,7 @@ class Outlook:
         here, motion = self._measurement, self._pair.motion
         duration = after.time - here.time
         proof = motion.proof(here.moments, here.clearance, duration, after.clearance)
-        if self._slabs is None and proof.clearance <= here.keeps:
+        if self._slabs is None and proof.clearance <= self._keeps:
             self._look(duration)
         if self._slabs is None:
             return proof
@@ -55,6 +56,6 @@ class Outlook:
         """Return the slabs for the next `duration` s; None where only spheres were measured, or for too many."""
         here = self._measurement
         if here.proximity is not None and duration > self._looked:
-            self._slabs = self._pair.slabs(here, duration, here.keeps)
+            self._slabs = self._pair.slabs(here, duration, self._keeps)
             self._looked = duration
         return self._slabs

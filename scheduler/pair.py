@@ -65,11 +65,6 @@ class Measurement:
         """The distance (m) above which the standing is proved: the margin, or in breach that of contact."""
         return self.margin if self.standing is Verdict.CLEAR else 0.0
 
-    @property
-    def spare(self) -> float:
-        """How far (m) the bodies may approach with the standing proved."""
-        return self.clearance - self.keeps
-
 
 class Pair:
     """Two bodies that might collide, seen from their lowest common ancestor.

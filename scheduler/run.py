@@ -20,7 +20,8 @@ def run(pairs: Iterable[Pair], settings: Settings) -> Iterator[Event]:
     bracket between clear and touching is walked or halved, or an unproved step is tried again with finer ones; both
     are limited.
 
-    Wakeups come in order of time, but for those that refine: they go back by no more than one time resolution.
+    Wakeups come in order of time, but for those that refine: they go back by no more than one time resolution, until
+    the pair is decided; those after that look for its least distance, at any time.
     """
     queue = WakeupQueue()
     # Initially all pairs that might collide are measured at t0: all wake at once, but those of bodies yet to come.
@@ -40,4 +41,7 @@ def run(pairs: Iterable[Pair], settings: Settings) -> Iterator[Event]:
             queue.push(plan.time, plan.reason, watch)
         sleep, bound = (max(0.0, plan.time - time), plan.bound) if plan else (0.0, Bound.NONE)
         yield Wakeup(time, watch.pair.key, reason, measurement.level, bound, watch.clearance, sleep)
+        # Decided up to its end, it is told how near the pair came.
+        if plan is None:
+            yield from watch.finish()
     # The queue runs empty when every wakeup would exceed the simulation time.

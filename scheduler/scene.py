@@ -118,11 +118,14 @@ class Settings:
         time_resolution: s, the lecture's t_min, the least step of the main loop.
         contact_tolerance: s, the widest bracket that a contact's begin or end may keep.
         margin: m, a pair nearer than this is in breach, unless a rule of the scene gives it a margin of its own.
+        distance_tolerance: of a pair's least distance, how far its certified bound may lie below the measured one, but
+            for 1e-6 m; None leaves it as the sleeps have it.
     """
 
     time_resolution: float = 1e-3
     contact_tolerance: float = 1e-6
     margin: float = 0.0
+    distance_tolerance: float | None = 0.01
 
 
 @dataclass(frozen=True, slots=True, eq=False)

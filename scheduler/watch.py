@@ -6,13 +6,15 @@ from collections.abc import Iterator
 from math import inf, nan, nextafter, ulp
 from typing import NamedTuple
 
-from .events import Bound, Collision, ContactKind, Event, PairKey, Phase, Reason, Span, Verdict
+from .events import Bound, Collision, ContactKind, Event, Phase, Reason, Verdict
 from .floor import Floor
 from .hold import Hold
+from .minimum import LeastDistance
 from .outlook import Outlook
 from .pair import Measurement, Pair
 from .relative import Proof
 from .scene import Settings
+from .stretches import SpanRecord
 
 #: From its clear side a bracket is walked by the bounds, but in steps no smaller than this share of it.
 BRACKET_SHARE = 1.0 / 8.0
@@ -69,14 +71,20 @@ class Watch:
             if measurement.standing is not known.standing:
                 self._other = measurement
             elif not self._takes_back(measurement.time - known.time, verdict):
-                yield from self._spans.extend(measurement.time, verdict, clearance, depth_limit)
+                yield from self._extend(known, measurement, verdict, clearance, depth_limit)
                 self._stand_at(measurement)
         self.clearance = 0.0 if measurement.touching else measurement.clearance
         if (distance := self.pair.distance(measurement)) is not None:
             yield distance
         yield from self._close_bracket()
-        if self._known is not None and self._known.time >= self._end and self._other is None:
-            yield from self._spans.finish()
+
+    def finish(self) -> Iterator[Event]:
+        """Yield what is left to tell of a pair that is decided up to its end: the least distance, and the spans."""
+        share = self._settings.distance_tolerance
+        if share is not None and not self._spans.touched:
+            search = LeastDistance(self.pair, self._spans.untold, share, self._settings.time_resolution)
+            yield from search.narrow()
+        yield from self._spans.finish()
 
     def plan(self) -> Plan | None:
         """Return the next wakeup, None when the pair is decided up to the end."""
@@ -133,7 +141,7 @@ class Watch:
     def _stand_at(self, measurement: Measurement) -> None:
         """Take a measurement as the last one known."""
         self._known = measurement
-        self._outlook = None if measurement.touching else Outlook(self.pair, measurement)
+        self._outlook = None if measurement.touching else Outlook(self.pair, measurement, measurement.keeps)
 
     @property
     def _ahead(self) -> Outlook:
@@ -196,12 +204,19 @@ class Watch:
             return
         if not (known.touching or other.touching):
             _, verdict, clearance, depth_limit = self._judge(known, other)
-            yield from self._spans.extend(other.time, verdict, clearance, depth_limit)
+            yield from self._extend(known, other, verdict, clearance, depth_limit)
         self._stand_at(other)
         self._other = None
         self._floor.restore()
         if known.touching or other.touching:
             yield from self._change(known, other)
+
+    def _extend(
+        self, known: Measurement, until: Measurement, verdict: Verdict, clearance: float, depth_limit: float
+    ) -> Iterator[Event]:
+        """Tell what is decided between two measurements."""
+        nearest = min(known.above, until.above)
+        yield from self._spans.extend(until.time, verdict, clearance, depth_limit, nearest)
 
     def _tolerance(self, known: Measurement, other: Measurement) -> float:
         """Return the widest bracket (s) that a change between two standings may keep."""
@@ -213,7 +228,7 @@ class Watch:
         begins = after.touching
         touching, clear = (after, before) if begins else (before, after)
         # A contact's span runs from the clear side of its begin to the clear side of its end.
-        yield from self._spans.extend(after.time, Verdict.CONTACT, 0.0, nan)
+        yield from self._extend(before, after, Verdict.CONTACT, 0.0, nan)
         distance = self.pair.distance(touching)
         assert distance is not None
         yield Collision(
@@ -231,32 +246,3 @@ class Watch:
 def _leaves(known: Measurement, other: Measurement) -> bool:
     """Tell whether the change between two standings is a breach's end."""
     return known.standing is Verdict.BREACH and other.standing is Verdict.CLEAR
-
-
-class SpanRecord:
-    """The growing last span of a pair: neighbours of one verdict become one span."""
-
-    def __init__(self, key: PairKey, start: float) -> None:
-        """Begin at `start`, s."""
-        self._key = key
-        self._start = self._end = start
-        self._verdict: Verdict | None = None
-        self._clearance = inf
-        self._depth_limit = 0.0
-
-    def extend(self, until: float, verdict: Verdict, clearance: float, depth_limit: float) -> Iterator[Span]:
-        """Add the stretch up to `until`; yield the span before it where the verdict changes."""
-        if until <= self._end:
-            return
-        if verdict is not self._verdict:
-            yield from self.finish()
-            self._verdict, self._clearance, self._depth_limit = verdict, clearance, depth_limit
-        self._end = until
-        self._clearance = min(self._clearance, clearance)
-        self._depth_limit = max(self._depth_limit, depth_limit)
-
-    def finish(self) -> Iterator[Span]:
-        """Yield the last span, if it has any length, and start the next where it ends."""
-        if self._verdict is not None and self._end > self._start:
-            yield Span(self._key, self._verdict, self._start, self._end, self._clearance, self._depth_limit)
-        self._start = self._end

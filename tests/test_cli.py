@@ -39,7 +39,8 @@ def test_json_is_the_logs_summary_with_the_seconds(scene, tmp_path):
     assert json.loads(closecall("summary", "out.mcap", "--json", cwd=tmp_path).stdout) == printed
     (pair,) = printed["pairs"]
     assert pair["verdict"] == "contact"
-    assert printed["settings"] == {"time_resolution": 0.001, "contact_tolerance": 1e-6, "margin": 0.0}
+    defaults = {"time_resolution": 0.001, "contact_tolerance": 1e-6, "margin": 0.0, "distance_tolerance": 0.01}
+    assert printed["settings"] == defaults
 
 
 def test_summary_prints_the_same_table_as_the_run(scene, tmp_path):
@@ -48,9 +49,10 @@ def test_summary_prints_the_same_table_as_the_run(scene, tmp_path):
 
 
 def test_options_override_the_scenes_settings(scene, tmp_path):
-    options = ["--time-resolution", "0.01", "--contact-tolerance", "1e-4"]
+    options = ["--time-resolution", "0.01", "--contact-tolerance", "1e-4", "--distance-tolerance", "none"]
     printed = json.loads(closecall("run", scene, "-o", "out.mcap", "--json", *options, cwd=tmp_path).stdout)
-    assert printed["settings"] == {"time_resolution": 0.01, "contact_tolerance": 1e-4, "margin": 0.0}
+    given = {"time_resolution": 0.01, "contact_tolerance": 1e-4, "margin": 0.0, "distance_tolerance": None}
+    assert printed["settings"] == given
     low, high = printed["pairs"][0]["contacts"][0]["begin"]
     assert 1e-6 < high - low <= 1e-4
 
@@ -60,6 +62,15 @@ def test_a_senseless_resolution_is_refused_by_name(scene, tmp_path, value):
     done = closecall("run", scene, "-o", "out.mcap", "--time-resolution", value, cwd=tmp_path)
     assert done.returncode == 2
     assert "--time-resolution" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not list(tmp_path.glob("*.mcap*"))
+
+
+@pytest.mark.parametrize("value", ["0", "-1", "nan", "1", "1%", "tight"])
+def test_a_senseless_distance_tolerance_is_refused_by_name(scene, tmp_path, value):
+    done = closecall("run", scene, "-o", "out.mcap", "--distance-tolerance", value, cwd=tmp_path)
+    assert done.returncode == 2
+    assert "--distance-tolerance" in done.stderr
     assert "Traceback" not in done.stderr
     assert not list(tmp_path.glob("*.mcap*"))
 

@@ -99,7 +99,8 @@ def test_json_tells_the_same_in_si_for_programs(run, folder: Path) -> None:
     told = json.loads(done.out, parse_constant=pytest.fail)
     assert list(told) == ["time", "settings", "bodies", "pairs", "margins", "files", "warnings"]
     assert told["time"] == [0.0, 2.0]
-    assert told["settings"] == {"time_resolution": 0.001, "contact_tolerance": 1e-6, "margin": 0.004}
+    defaults = {"time_resolution": 0.001, "contact_tolerance": 1e-6, "distance_tolerance": 0.01}
+    assert told["settings"] == {**defaults, "margin": 0.004}
     bodies = {body["name"]: body for body in told["bodies"]}
     assert list(bodies) == ["bench", "column", "carriage", "tool", "flap"]
     assert bodies["bench"]["size"] == pytest.approx((0.6**2 + 0.4**2 + 0.02**2) ** 0.5)

@@ -54,6 +54,7 @@ class Wakeup(_message.Message):
             CONTACT: _ClassVar[Wakeup.Reason.Value]
             REFINE: _ClassVar[Wakeup.Reason.Value]
             END: _ClassVar[Wakeup.Reason.Value]
+            MINIMUM: _ClassVar[Wakeup.Reason.Value]
         UNKNOWN: Wakeup.Reason.Value
         START: Wakeup.Reason.Value
         TIME_BOUND: Wakeup.Reason.Value
@@ -63,6 +64,7 @@ class Wakeup(_message.Message):
         CONTACT: Wakeup.Reason.Value
         REFINE: Wakeup.Reason.Value
         END: Wakeup.Reason.Value
+        MINIMUM: Wakeup.Reason.Value
         def __init__(self) -> None: ...
     class Level(_message.Message):
         __slots__ = ()

@@ -77,7 +77,7 @@ class Summary(TypedDict):
 
     closecall: str
     time: list[float]
-    settings: dict[str, float]
+    settings: dict[str, float | None]
     pairs_total: int
     pairs: list[PairSummary]
     totals: Totals

@@ -87,6 +87,8 @@ class _Reading:
         given = {name: value for name, value in self._file.settings if value is not None}
         if "margin" in given:
             given["margin"] = self._scale.length(given["margin"])
+        if given.get("distance_tolerance") == "none":
+            given["distance_tolerance"] = None
         spacing = least_duration(start, end)
         settings = Settings(**given)
         for name in ("time_resolution", "contact_tolerance"):

@@ -16,6 +16,12 @@ Values = dict[str, Any]
 
 WORST_FIRST = ("CONTACT", "BREACH", "UNRESOLVED", "POSSIBLE", "CLEAR")
 
+TIGHTEST = 2e-6
+"""m: least distances are known no better than 1e-6 m, and than some errors of measurement."""
+
+SEARCH_LIMIT = 10_000
+"""Wakeups of a pair whose least distance may have been given up."""
+
 
 def summary_of(log: Log) -> Values | None:
     """Return the summary that the log carries, None if it has none."""
@@ -50,6 +56,8 @@ def check_summary(truth: Truth, log: Log) -> Iterable[str]:
         if told["verdict"] != worst.lower():
             yield f"summary: {name} is {told['verdict']}, its spans say {worst}"
         yield from check_range(truth, watched[name], told)
+        if verdicts <= {"CLEAR", "BREACH"}:
+            yield from check_tightness(told, summary["settings"].get("distance_tolerance"))
 
 
 def check_range(truth: Truth, pair: Pair, told: Values) -> Iterable[str]:
@@ -65,6 +73,16 @@ def check_range(truth: Truth, pair: Pair, told: Values) -> Iterable[str]:
     allowed = truth.tolerance + float(truth.creep(*pair, times)[0])
     if not lower <= true + allowed or not true - allowed <= upper <= true + chord + allowed:
         yield f"summary: {told['pair']} is {true} m apart at {time} s, told are {lower} to {upper}, chord {chord}"
+
+
+def check_tightness(told: Values, share: float | None) -> Iterable[str]:
+    """A least distance that was measured is certified to a share of it, or 1e-6 m, on top of errors of measurement."""
+    lower, upper = told["distance"]["lower"], told["distance"]["upper"]
+    if share is None or upper is None or told["wakeups"] > SEARCH_LIMIT:
+        return
+    measured = upper - told["chord_error"]
+    if measured - lower > max(share * measured, TIGHTEST):
+        yield f"summary: {told['pair']} is told to be {lower} to {upper} m apart at the least, which is not tight"
 
 
 def check_world(truth: Truth, log: Log, effort: Effort, epoch: int, chords: Mapping[str, float]) -> Iterable[str]:

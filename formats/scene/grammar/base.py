@@ -16,6 +16,7 @@ def _without_residue(value: float) -> float:
 Number = Annotated[float, Field(ge=-LARGEST_NUMBER, le=LARGEST_NUMBER), AfterValidator(_without_residue)]
 Size = Annotated[float, Field(ge=SMALLEST_SIZE, le=LARGEST_NUMBER)]
 Margin = Annotated[float, Field(ge=0.0, le=LARGEST_NUMBER), AfterValidator(_without_residue)]
+Share = Annotated[float, Field(ge=1e-6, lt=1.0)]
 Vector = tuple[Number, Number, Number]
 Quaternion = tuple[Number, Number, Number, Number]
 LengthUnit = Literal["m", "cm", "mm", "in", "ft"]

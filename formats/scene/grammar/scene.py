@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from .base import LengthUnit, Margin, Number, Part, Size
+from .base import LengthUnit, Margin, Number, Part, Share, Size
 from .motions import MotionChoice
 from .poses import REST, Pose
 from .shapes import ShapePart
@@ -37,6 +37,11 @@ class SettingsPart(Part):
     )
     margin: Margin | None = Field(
         default=None, description="A pair nearer than this is in breach, in the file's length unit. Default: 0."
+    )
+    distance_tolerance: Share | Literal["none"] | None = Field(
+        default=None,
+        description="How well each pair's least distance is certified, as a share of it (never better than 1e-6 m); "
+        "none: as it comes. Default: 0.01.",
     )
 
 

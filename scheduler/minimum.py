@@ -1,0 +1,105 @@
+"""The least distance of a pair over its run, as a bracket: branch and bound over the stretches between its wakeups.
+
+The scheme proves that a pair stays apart, not by how much: a sleep spends all the clearance there is. Once the pair is
+decided, the stretches that may hold its least distance are gone through again, by the same bounds, but the pair sleeps
+only while it provably stays above a target: the least distance measured so far, less the tolerance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from math import inf
+
+from .events import Bound, Distance, Reason, Wakeup
+from .outlook import Outlook
+from .pair import Measurement, Pair
+from .stretches import Stretch
+
+#: m: least distances are never known better than this.
+LEAST_TOLERANCE = 1e-6
+#: No better than this many times the error of measurement either: the target stays below what is measured.
+ERRORS = 8.0
+#: Measurements a pair at most; the bracket stays wider where they do not suffice.
+MOST_MEASUREMENTS = 10_000
+#: Bounding spheres settle a measurement above this many times the target.
+SPHERES_SUFFICE = 2.0
+
+Found = Wakeup | Distance
+
+
+class LeastDistance:
+    """The search for the least distance of a pair that never touches.
+
+    Attributes:
+        upper: m, upper bound on the least distance: the least one measured, its error added.
+    """
+
+    def __init__(self, pair: Pair, stretches: list[Stretch], share: float, floor: float) -> None:
+        """Take a decided pair.
+
+        Args:
+            pair: the pair.
+            stretches: of the whole time of the pair; their clearances are to be raised.
+            share: of the least distance, how far the bracket's ends may lie apart.
+            floor: s, sleeps of fewer than some of these are worth a directional bound.
+        """
+        self._pair = pair
+        self._share = share
+        self._floor = floor
+        self._stretches = stretches
+        self._left = MOST_MEASUREMENTS
+        self.upper = min((stretch.nearest for stretch in stretches), default=inf)
+
+    @property
+    def target(self) -> float:
+        """The distance (m) that every stretch is to be certified above; it only falls."""
+        tolerance = max(self._share * self.upper, LEAST_TOLERANCE, ERRORS * self._pair.error)
+        return max(0.0, self.upper - tolerance)
+
+    def narrow(self) -> Generator[Found, None, None]:
+        """Go through the stretches that may hold the least distance, nearest first; yield what is measured.
+
+        Nothing is done for a pair that bounding spheres alone have cleared: it keeps the bound that cleared it. Nor can
+        anything be gained where a stretch is unresolved.
+        """
+        if self.upper == inf or any(stretch.clearance <= 0.0 for stretch in self._stretches):
+            return
+        nearest_first = sorted(range(len(self._stretches)), key=lambda index: self._stretches[index].nearest)
+        for index in nearest_first:
+            stretch = self._stretches[index]
+            if stretch.clearance >= self.target:
+                continue
+            if not (yield from self._advance(stretch)):
+                return
+            self._stretches[index] = stretch._replace(clearance=max(stretch.clearance, self.target))
+
+    def _advance(self, stretch: Stretch) -> Generator[Found, None, bool]:
+        """Prove the whole stretch, both ends included, to stay above the target; return whether that was done.
+
+        It ends because each sleep is worth at least the tolerance, and because measurements are limited.
+        """
+        time = stretch.start
+        while True:
+            measurement = self._measured(time)
+            ahead = stretch.end - time
+            sleep, bound = 0.0, Bound.NONE
+            if ahead > 0.0:
+                sleep, bound = Outlook(self._pair, measurement, self.target).sleep(ahead, self._floor)
+            if (distance := self._pair.distance(measurement)) is not None:
+                yield distance
+            yield Wakeup(time, self._pair.key, Reason.MINIMUM, measurement.level, bound, measurement.clearance, sleep)
+            if ahead <= 0.0:
+                return True
+            woken = stretch.end if sleep >= ahead else min(time + sleep, stretch.end)
+            if woken == time or self._left <= 0:
+                return False
+            time = woken
+
+    def _measured(self, time: float) -> Measurement:
+        """Measure the pair, exactly where bounding spheres leave less than the target again to sleep on."""
+        self._left -= 1
+        measurement = self._pair.measure(time)
+        if measurement.proximity is None and measurement.clearance < SPHERES_SUFFICE * self.target:
+            measurement = self._pair.measure_exactly(time)
+        self.upper = min(self.upper, measurement.above)
+        return measurement

@@ -1,0 +1,134 @@
+"""The least distance of a pair over its run: the certified bracket against closed forms."""
+
+from __future__ import annotations
+
+from math import hypot, inf, sqrt
+
+import numpy as np
+import pytest
+
+from closecall.scheduler.events import Distance, Reason, Span, Verdict, Wakeup
+from closecall.scheduler.motions import Constant, Fixed, Harmonic, Keyframes, Translation
+from closecall.scheduler.narrow_phase import NarrowPhase
+from closecall.scheduler.pair import pairs_that_might_collide
+from closecall.scheduler.run import run
+from closecall.scheduler.scene import Body, Mesh, PairRules, Scene, Settings, Shape
+
+O = (0.0, 0.0, 0.0)  # noqa: E741
+POINT = Mesh("point", np.zeros((1, 3)), np.zeros((1, 3), dtype=np.int64), solid=False)
+HERE = np.eye(4)
+ROUNDING = 1e-12
+
+
+def box(x, y, z) -> Shape:
+    vertices = np.array([[i, j, k] for i in (-x, x) for j in (-y, y) for k in (-z, z)]) / 2.0
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    triangles = [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
+    return Shape(Mesh("box", vertices, np.array(triangles), True), 0.0, HERE)
+
+
+def body(name, shape, place, motion) -> Body:
+    pose = np.eye(4)
+    pose[:3, 3] = place
+    return Body(name, None, pose, motion, (shape,))
+
+
+def ball(name, radius, place, motion) -> Body:
+    return body(name, Shape(POINT, radius, HERE), place, motion)
+
+
+def events_of(*bodies, end=4.0, settings=None):
+    settings = settings or Settings()
+    scene = Scene(bodies, 0.0, end, PairRules())
+    return list(run(pairs_that_might_collide(scene, NarrowPhase(bodies), settings.margin), settings))
+
+
+def bracket(events) -> tuple[float, float, float]:
+    """Return the certified and the least measured distance, and when that was."""
+    lower = min((event.clearance for event in events if isinstance(event, Span)), default=inf)
+    distances = [(event.distance, event.time) for event in events if isinstance(event, Distance)]
+    return lower, *min(distances, default=(inf, inf))
+
+
+def is_tight(events, least: float, share: float = 0.01) -> bool:
+    lower, upper, _ = bracket(events)
+    holds = lower <= least + ROUNDING and least <= upper + ROUNDING
+    return holds and upper - lower <= max(share * upper, 1e-6) + ROUNDING
+
+
+@pytest.mark.parametrize("gap", [0.5, 0.01, 1e-4])
+def test_balls_that_pass_are_as_near_as_their_centres_say(gap):
+    passing = ball("runs", 0.5, (-2.0, 0.75 + gap, 0.0), Constant((1.0, 0.0, 0.0), O))
+    events = events_of(ball("still", 0.25, O, Fixed()), passing)
+    assert is_tight(events, gap)
+    assert abs(bracket(events)[2] - 2.0) <= sqrt((0.75 + 1.01 * gap) ** 2 - (0.75 + gap) ** 2) + 1e-3
+
+
+@pytest.mark.parametrize("share", [0.1, 0.01, 0.001])
+def test_a_turning_bar_comes_as_near_as_its_corner(share):
+    """A bar 2 m long and 0.2 m thick turns beside a wall: its corner runs on a circle."""
+    wall = body("wall", box(0.1, 6.0, 6.0), (1.1, 0.0, 0.0), Fixed())
+    bar = body("bar", box(2.0, 0.2, 0.2), O, Constant(O, (0.0, 0.0, 2.0)))
+    events = events_of(wall, bar, settings=Settings(distance_tolerance=share))
+    assert is_tight(events, 1.05 - hypot(1.0, 0.1), share)
+
+
+def test_the_bracket_of_a_gap_that_swings_is_tight():
+    """Along x the gap is 0.3 - 0.2 sin(2 pi t / 1.3), 0.1 at its least."""
+    swings = body("swings", box(1.0, 1.0, 1.0), (1.3, 0.2, 0.1), Harmonic((-1.0, 0.0, 0.0), 0.2, 1.3, 0.0))
+    events = events_of(body("still", box(1.0, 1.0, 1.0), O, Fixed()), swings)
+    assert is_tight(events, 0.1)
+
+
+def test_bodies_that_move_alike_are_measured_at_the_start_and_at_the_end_alone():
+    alike = Constant((0.5, 0.0, 0.0), O)
+    events = events_of(body("one", box(1, 1, 1), O, alike), body("other", box(1, 1, 1), (1.35, 0, 0), alike))
+    assert is_tight(events, 0.35)
+    assert len([event for event in events if isinstance(event, Wakeup)]) <= 4
+
+
+@pytest.mark.parametrize("final", [0.2, 0.0001])
+def test_a_jump_at_the_very_end_to_a_nearer_place_counts(final):
+    """From where bounding spheres suffice to a gap of `final` m, at the last instant."""
+    places = np.array([[9.0, 0.0, 0.0], [1.0 + final, 0.0, 0.0]])
+    jump = Keyframes(np.array([0.0, 4.0]), places, np.tile([1.0, 0, 0, 0], (2, 1)), Translation.STEP, True)
+    events = events_of(body("still", box(1, 1, 1), O, Fixed()), body("jumps", box(1, 1, 1), O, jump))
+    lower, upper, time = bracket(events)
+    assert (upper, time) == (pytest.approx(final, abs=ROUNDING), 4.0)
+    assert lower <= final + ROUNDING
+    assert is_tight(events, final)
+
+
+def test_a_breach_is_narrowed_as_well():
+    runs = ball("runs", 0.5, (-2.0, 1.0, 0.0), Constant((1.0, 0.0, 0.0), O))
+    events = events_of(ball("still", 0.25, O, Fixed()), runs, settings=Settings(margin=0.4))
+    assert [event.verdict for event in events if isinstance(event, Span)] == [
+        Verdict.CLEAR,
+        Verdict.BREACH,
+        Verdict.CLEAR,
+    ]
+    assert is_tight(events, 0.25)
+
+
+def test_without_a_tolerance_nothing_more_is_measured():
+    runs = ball("runs", 0.5, (-2.0, 1.0, 0.0), Constant((1.0, 0.0, 0.0), O))
+    still = ball("still", 0.25, O, Fixed())
+    loose = events_of(still, runs, settings=Settings(distance_tolerance=None))
+    assert not is_tight(loose, 0.25)
+    assert not [event for event in loose if isinstance(event, Wakeup) and event.reason is Reason.MINIMUM]
+    assert bracket(loose)[0] <= 0.25
+
+
+def test_a_pair_cleared_by_spheres_alone_keeps_the_bound_that_cleared_it():
+    far = body("far", box(1, 1, 1), (30.0, 0.0, 0.0), Harmonic((0.0, 1.0, 0.0), 1.0, 1.0, 0.0))
+    events = events_of(body("still", box(1, 1, 1), O, Fixed()), far)
+    lower, upper, _ = bracket(events)
+    assert upper == inf
+    assert 0.0 < lower <= 29.0
+
+
+def test_a_pair_that_touches_is_not_searched():
+    runs = ball("runs", 0.5, (-2.0, 0.3, 0.0), Constant((1.0, 0.0, 0.0), O))
+    events = events_of(ball("still", 0.25, O, Fixed()), runs)
+    assert bracket(events)[:2] == (0.0, 0.0)
+    assert Reason.MINIMUM not in [event.reason for event in events if isinstance(event, Wakeup)]
