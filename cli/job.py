@@ -15,7 +15,7 @@ from ..formats.log.chunks import Compression
 from ..formats.log.summary import Summary
 from ..formats.log.viewer.viewer import ViewerOptions
 from ..formats.log.writer import LogOptions, LogWriter, Topics
-from ..formats.scene.errors import SceneError, whole_file
+from ..formats.scene.errors import SceneError, counted, whole_file
 from ..formats.scene.loaded import LoadedScene
 from ..formats.scene.reader import read_scene
 from ..scheduler.narrow_phase import NarrowPhase
@@ -91,7 +91,9 @@ def paired(
     candidates = pairs_that_might_collide(loaded.scene, narrow_phase, settings.margin)
     pairs = tuple(islice(candidates, max_pairs + 1))
     if len(pairs) > max_pairs:
-        raise SceneError([whole_file(loaded.path, f"more than {max_pairs} pairs, ignore some or raise --max-pairs")])
+        raise SceneError(
+            [whole_file(loaded.path, f"more than {counted(max_pairs, 'pair')}, ignore some or raise --max-pairs")]
+        )
     if not pairs:
         nothing = "nothing to check: no two bodies that may be checked move relative to each other"
         loaded = replace(loaded, warnings=(*loaded.warnings, str(whole_file(loaded.path, nothing))))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -12,14 +13,26 @@ from rich.table import Table
 from rich.text import Text
 
 from ..formats.log.summary import PairSummary, Summary
+from ..formats.scene.errors import counted
 
 #: Rows of the table for people.
 MOST_ROWS = 20
+
+#: Characters.
+WIDTH_OF_A_PIPE = 1000
 
 #: Verdicts from worst to best.
 SEVERITY = ("contact", "breach", "unresolved", "possible", "clear")
 #: How each is printed.
 STYLES = {"contact": "bold red", "breach": "red", "unresolved": "yellow", "possible": "yellow", "clear": "green"}
+
+
+def console_for(to_stderr: bool = False) -> Console:
+    """Return a console as wide as the terminal; down a pipe, wide enough to keep a row in one line for grep."""
+    console = Console(highlight=False, stderr=to_stderr)
+    if not console.is_terminal and "COLUMNS" not in os.environ:
+        console.width = WIDTH_OF_A_PIPE
+    return console
 
 
 def print_warnings(warnings: Iterable[str]) -> None:
@@ -41,7 +54,7 @@ def print_seconds(seconds: Mapping[str, float]) -> None:
 def print_summary(summary: Summary, to_stderr: bool = False) -> None:
     """Print the worst pairs first, and the totals."""
     pairs = sorted(summary["pairs"], key=_badness)
-    console = Console(highlight=False, stderr=to_stderr)
+    console = console_for(to_stderr)
     table = Table(box=None, pad_edge=False, header_style="bold")
     for column, justify in (("pair", "left"), ("verdict", "left"), ("least distance", "left"), ("contacts", "left")):
         table.add_column(column, justify=justify, overflow="fold")  # type: ignore[arg-type]
@@ -51,11 +64,13 @@ def print_summary(summary: Summary, to_stderr: bool = False) -> None:
         table.add_row(name, Text(verdict, STYLES[verdict]), Text(_distance(pair)), Text(_contacts(pair)))
     console.print(table)
     if len(pairs) > MOST_ROWS:
-        console.print(f"... and {len(pairs) - MOST_ROWS} more pairs")
+        console.print(f"... and {counted(len(pairs) - MOST_ROWS, 'more pair')}")
     counts = summary["totals"]["pairs"]
     found = ", ".join(f"{counts[verdict]} {verdict}" for verdict in SEVERITY if counts.get(verdict))
     start, end = summary["time"]
-    console.print(f"{summary['pairs_total']} pairs over [{start:g}, {end:g}] s: {found or 'nothing to check'}")
+    console.print(
+        f"{counted(summary['pairs_total'], 'pair')} over [{start:g}, {end:g}] s: {found or 'nothing to check'}"
+    )
 
 
 def _badness(pair: PairSummary) -> tuple[int, float, str]:

@@ -4,21 +4,25 @@ from __future__ import annotations
 
 import json
 from collections.abc import Container, Sequence
-from math import isfinite
+from math import degrees, isfinite
 from typing import Any
 
 import click
-from rich.console import Console
+import numpy as np
 from rich.table import Table
 from rich.text import Text
 
+from ..formats.scene.errors import counted
 from ..formats.scene.loaded import LoadedScene
 from ..scheduler.motions import Ballistic, Delayed, Looped
 from ..scheduler.pair import Pair
 from ..scheduler.scene import Body, Scene
+from .show import console_for
 
 #: Rows of the table for people.
 MOST_ROWS = 40
+#: Stretches of a motion, from knot to knot, in which its top speed is sought. Of a longer one it is not told.
+MOST_STRETCHES = 20_000
 
 
 def understood(loaded: LoadedScene, pairs: Sequence[Pair]) -> dict[str, Any]:
@@ -35,6 +39,7 @@ def understood(loaded: LoadedScene, pairs: Sequence[Pair]) -> dict[str, Any]:
         },
         "bodies": [_body(scene, body, files) for body in scene.bodies],
         "pairs": len(pairs),
+        "pairs_possible": _possible(scene),
         "margins": sorted({pair.margin for pair in pairs}),
         "files": [
             {"name": file.name, "path": str(file.path)} for file in (*loaded.mesh_files, *loaded.trajectory_files)
@@ -46,24 +51,45 @@ def understood(loaded: LoadedScene, pairs: Sequence[Pair]) -> dict[str, Any]:
 def print_understood(loaded: LoadedScene, pairs: Sequence[Pair]) -> None:
     """Print the bodies as a table, then pairs and times."""
     scene, settings = loaded.scene, loaded.settings
-    console = Console(highlight=False)
+    console = console_for()
     table = Table(box=None, pad_edge=False, header_style="bold")
-    for column in ("body", "parent", "motion", "shapes", "triangles", "size"):
-        table.add_column(column, justify="right" if column == "triangles" else "left", overflow="fold")
+    for column in ("body", "parent", "motion", "shapes (triangles)", "size"):
+        table.add_column(column, overflow="fold", min_width=max(map(len, column.split())))
     files = {file.name for file in loaded.trajectory_files}
     for body in scene.bodies[:MOST_ROWS]:
         told = _body(scene, body, files)
-        size = "" if told["size"] is None else f"{told['size']:.4g} m"
-        shapes = str(len(body.shapes) or "")
-        row = (told["name"], told["parent"] or "", told["motion"], shapes, str(told["triangles"] or ""), size)
-        table.add_row(*map(Text, row))
+        size = "" if told["size"] is None else " x ".join(f"{length:.3g}" for length in told["size"]) + " m"
+        table.add_row(*map(Text, (told["name"], told["parent"] or "", _motion(told), _shapes(told), size)))
     console.print(table)
     if len(scene.bodies) > MOST_ROWS:
-        console.print(f"... and {len(scene.bodies) - MOST_ROWS} more bodies")
+        console.print(f"... and {counted(len(scene.bodies) - MOST_ROWS, 'more body', 'more bodies')}")
+    bodies, possible = counted(len(scene.bodies), "body", "bodies"), _possible(scene)
+    others = "" if possible == len(pairs) else "; the others are ignored, or do not move relative to each other"
+    console.print(f"{bodies}, {len(pairs)} of {counted(possible, 'pair')} to check{others}")
     margins = sorted({pair.margin for pair in pairs if pair.margin > 0.0})
-    within = f", margins {', '.join(f'{margin:.6g}' for margin in margins[:5])} m" if margins else ""
-    console.print(f"{len(scene.bodies)} bodies, {len(pairs)} pairs to check{within}")
+    if margins:
+        more = f" and {len(margins) - 5} more" if len(margins) > 5 else ""
+        console.print(f"margins {', '.join(f'{margin:.6g}' for margin in margins[:5])} m{more}")
     console.print(f"from {scene.start:g} to {scene.end:g} s, time resolution {settings.time_resolution:g} s")
+
+
+def _possible(scene: Scene) -> int:
+    """Return how many pairs of bodies with shapes there are."""
+    solid = sum(bool(body.shapes) for body in scene.bodies)
+    return solid * (solid - 1) // 2
+
+
+def _motion(told: dict[str, Any]) -> str:
+    """Return the law of a body's motion with its top speeds, as far as they are known and not 0."""
+    speed, turning = told["top_speed"], told["top_angular_speed"]
+    parts = (told["motion"], f"{speed:.3g} m/s" if speed else "", f"{degrees(turning):.3g} deg/s" if turning else "")
+    return ", ".join(filter(None, parts))
+
+
+def _shapes(told: dict[str, Any]) -> str:
+    """Return how many shapes a body has, and of how many triangles; those of spheres and capsules are not counted."""
+    triangles = f" ({told['triangles']})" if told["triangles"] else ""
+    return f"{told['shapes'] or ''}{triangles}"
 
 
 def print_ignores(scene: Scene, pairs: Sequence[Pair]) -> None:
@@ -86,11 +112,14 @@ def _in_yaml(name: str) -> str:
 
 def _body(scene: Scene, body: Body, files: Container[str]) -> dict[str, Any]:
     """Return what is told of a body; those whose names are in `files` move along a trajectory file."""
+    speeds = _top_speeds(scene, body) or (None, None)
     triangles = sum(len(shape.mesh.triangles) for shape in body.shapes if shape.radius == 0.0)
     return {
         "name": body.name,
         "parent": None if body.parent is None else scene.bodies[body.parent].name,
         "motion": "file" if body.name in files else _motion_name(body),
+        "top_speed": speeds[0],
+        "top_angular_speed": speeds[1],
         "shapes": len(body.shapes),
         "triangles": triangles,
         "chord_error": body.chord_error,
@@ -107,8 +136,30 @@ def _motion_name(body: Body) -> str:
     return "keyframes" if isinstance(motion, Looped) else type(motion).__name__.lower()
 
 
-def _size(body: Body) -> float | None:
-    """Return the diameter (m) of a ball around the body, None for a frame without shapes."""
-    from ..scheduler.narrow_phase import body_extent
+def _top_speeds(scene: Scene, body: Body) -> tuple[float, float] | None:
+    """Return upper bounds on the speed (m/s) of a body's origin and on its turning (rad/s), both in its parent.
 
-    return 2.0 * body_extent(body).ball.radius if body.shapes else None
+    None for a motion with too many knots. Jumps have no speed.
+    """
+    time, end = max(scene.start, body.exists[0]), min(scene.end, body.exists[1])
+    speed = turning = 0.0
+    for _ in range(MOST_STRETCHES):
+        knot = min(body.motion.knot_after(time), end)
+        rates = body.motion.rates(time, knot - time)
+        speed, turning, time = max(speed, rates.speed), max(turning, rates.angular_speed), knot
+        if time >= end:
+            return speed, turning
+    return None
+
+
+def _size(body: Body) -> list[float] | None:
+    """Return the lengths (m) of the box around a body along its own x, y, z; None for a frame without shapes."""
+    if not body.shapes:
+        return None
+    lows, highs = [], []
+    for shape in body.shapes:
+        points = shape.mesh.vertices @ shape.pose[:3, :3].T + shape.pose[:3, 3]
+        lows.append(points.min(axis=0) - shape.radius)
+        highs.append(points.max(axis=0) + shape.radius)
+    lengths: list[float] = (np.max(highs, axis=0) - np.min(lows, axis=0)).tolist()
+    return lengths

@@ -18,7 +18,7 @@ def test_run_prints_a_table_and_exits_0_whatever_it_finds(scene, tmp_path):
     done = closecall("run", scene, "-o", "out.mcap", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     assert "left | right" in done.stdout
-    assert "1 pairs over [0, 5] s: 1 contact" in done.stdout
+    assert "1 pair over [0, 5] s: 1 contact" in done.stdout
     assert (tmp_path / "out.mcap").exists()
     assert not (tmp_path / "out.mcap.partial").exists()
 

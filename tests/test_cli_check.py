@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
+import subprocess
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
+from math import pi, radians
 from pathlib import Path
 
 import pytest
 import yaml
-from cli_process import closecall
+from cli_process import closecall, command
 
 from closecall.cli.main import main
 
@@ -77,13 +80,32 @@ def test_the_table_tells_every_body_the_pairs_and_the_times(run) -> None:
     done = run("check", "cell.yaml")
     assert done.code == 0
     rows = {line.split()[0]: line.split()[1:] for line in done.out.splitlines() if line.strip()}
-    assert rows["body"] == ["parent", "motion", "shapes", "triangles", "size"]
-    assert rows["bench"] == ["fixed", "1", "12", "0.7214", "m"]
-    assert rows["carriage"] == ["harmonic"]
-    assert rows["tool"][:3] == ["carriage", "keyframes", "2"]
-    assert rows["flap"][:3] == ["fixed", "1", "1"]
-    assert rows["5"] == ["bodies,", "3", "pairs", "to", "check,", "margins", "0.004,", "0.012", "m"]
+    assert rows["body"] == ["parent", "motion", "shapes", "(triangles)", "size"]
+    assert rows["bench"] == ["fixed", "1", "(12)", "0.6", "x", "0.4", "x", "0.02", "m"]
+    assert rows["carriage"] == ["harmonic,", "0.126", "m/s"]
+    assert rows["tool"] == ["carriage", "keyframes,", "0.02", "m/s", "2", "0.06", "x", "0.06", "x", "0.07", "m"]
+    assert rows["flap"] == ["fixed", "1", "(1)", "0.3", "x", "0.3", "x", "0", "m"]
+    assert "\n5 bodies, 3 of 6 pairs to check; the others are ignored, or do not move relative to" in done.out
+    assert rows["margins"] == ["0.004,", "0.012", "m"]
     assert rows["from"] == ["0", "to", "2", "s,", "time", "resolution", "0.001", "s"]
+
+
+def test_a_pipe_gets_a_line_for_each_body(folder: Path) -> None:
+    path = "a_long_name_for_a_body_that_would_not_fit_beside_the_others_in_eighty_columns"
+    (folder / "cell.yaml").write_text(CELL.replace("tool", path))
+    environment = {name: value for name, value in os.environ.items() if name != "COLUMNS"}
+    done = subprocess.run(command("check", "cell.yaml"), env=environment, capture_output=True, text=True, check=True)
+    (row,) = [line for line in done.stdout.splitlines() if line.startswith(path)]
+    assert row.endswith(" m")
+    assert len(done.stdout.splitlines()) == 9
+
+
+def test_one_pair_of_one_kind_is_told_in_the_singular(run, folder: Path) -> None:
+    one = "{shapes: [{sphere: 1}]}"
+    other = "{shapes: [{sphere: 1}], pose: {xyz: [9, 0, 0]}, motion: {type: constant, velocity: [1, 0, 0]}}"
+    (folder / "s.yaml").write_text(f"{CELL.split('settings')[0]}bodies:\n  a: {one}\n  b: {other}\n")
+    assert "\n2 bodies, 1 of 1 pair to check\n" in run("check", "s.yaml").out
+    assert "\n1 pair over [0, 2] s: 1 clear\n" in run("run", "s.yaml", "-o", "out.mcap").out
 
 
 def test_warnings_go_to_stderr_and_quiet_prints_nothing(run) -> None:
@@ -97,21 +119,23 @@ def test_warnings_go_to_stderr_and_quiet_prints_nothing(run) -> None:
 def test_json_tells_the_same_in_si_for_programs(run, folder: Path) -> None:
     done = run("check", "cell.yaml", "--json")
     told = json.loads(done.out, parse_constant=pytest.fail)
-    assert list(told) == ["time", "settings", "bodies", "pairs", "margins", "files", "warnings"]
+    assert list(told) == ["time", "settings", "bodies", "pairs", "pairs_possible", "margins", "files", "warnings"]
     assert told["time"] == [0.0, 2.0]
     defaults = {"time_resolution": 0.001, "contact_tolerance": 1e-6, "distance_tolerance": 0.01}
     assert told["settings"] == {**defaults, "margin": 0.004}
     bodies = {body["name"]: body for body in told["bodies"]}
     assert list(bodies) == ["bench", "column", "carriage", "tool", "flap"]
-    assert bodies["bench"]["size"] == pytest.approx((0.6**2 + 0.4**2 + 0.02**2) ** 0.5)
+    assert bodies["bench"]["size"] == pytest.approx([0.6, 0.4, 0.02])
+    assert bodies["carriage"].pop("top_speed") == pytest.approx(0.04 * pi)
     assert bodies["tool"]["parent"] == "carriage"
     assert bodies["carriage"] == {
-        "name": "carriage", "parent": None, "motion": "harmonic", "shapes": 0, "triangles": 0, "chord_error": 0.0,
+        "name": "carriage", "parent": None, "motion": "harmonic", "top_angular_speed": 0.0,
+        "shapes": 0, "triangles": 0, "chord_error": 0.0,
         "size": None, "exists": None,
     }  # fmt: skip
     assert bodies["flap"]["exists"] == [0.5, 1.0]
     assert 0.0 < bodies["column"]["chord_error"] < 0.0001
-    assert (told["pairs"], told["margins"]) == (3, [0.004, 0.012])
+    assert (told["pairs"], told["pairs_possible"], told["margins"]) == (3, 6, [0.004, 0.012])
     assert told["files"] == [{"name": "plate", "path": str((folder / "plate.obj").resolve())}]
     assert len(told["warnings"]) == 1
 
@@ -153,6 +177,33 @@ bodies:
   far: {pose: {xyz: [9, 0, 0]}, shapes: [{sphere: 0.1}], motion: {type: constant, velocity: [0, 0, 1]}}
   late: {exists: [0.5, 1], shapes: [{sphere: 0.1}], motion: {type: constant, velocity: [0, 0, 0.1]}}
 """
+
+
+@pytest.mark.parametrize(
+    ("motion", "speed", "turning"),
+    [
+        ("{type: swing, axis: [1, 0, 0], amplitude: 30, period: 0.5}", 0.0, 30 * 2 * pi / 0.5),
+        ("{type: swing, axis: [1, 0, 0], point: [0, 50, 0], amplitude: 30, period: 0.5}", pi**2 / 30, 120 * pi),
+        ("{type: ballistic, acceleration: [0, 0, -9810]}", 9.81 * 2, 0.0),
+        ("{type: orbit, axis: [1, 0, 0], start: [0, 1, 0], radius: 500, rate: 180}", pi / 2, 0.0),
+        ("{type: screw, axis: [1, 0, 0], rate: 360, pitch: 5}", 0.005, 360.0),
+        (
+            "{type: profile, kind: slide, axis: [1, 0, 0], from: 0, to: 9, max_velocity: 7, max_acceleration: 50}",
+            0.007,
+            0.0,
+        ),
+        ("{type: keyframes, keys: [{t: 0}, {t: 0.5, xyz: [3, 0, 4], rpy: [90, 0, 0]}, {t: 2}]}", 0.01, 180.0),
+        ("{type: keyframes, after: loop, keys: [{t: 0}, {t: 1e-5, xyz: [1, 0, 0]}]}", None, None),
+    ],
+)  # fmt: skip
+def test_top_speeds_are_those_of_closed_forms(
+    run, folder: Path, motion: str, speed: float | None, turning: float | None
+) -> None:
+    (folder / "s.yaml").write_text(CELL.split("settings")[0] + f"bodies: {{a: {{motion: {motion}}}}}\n")
+    (body,) = json.loads(run("check", "s.yaml", "--json").out)["bodies"]
+    told = body["top_angular_speed"]
+    assert body["top_speed"] == (None if speed is None else pytest.approx(speed, rel=1e-9))
+    assert told == (None if turning is None else pytest.approx(radians(turning), rel=1e-9))
 
 
 def test_suggested_ignores_pasted_into_the_scene_make_the_touching_pairs_vanish(run, folder: Path) -> None:
@@ -198,9 +249,9 @@ def test_a_narrow_terminal_folds_the_table_and_loses_nothing(
     monkeypatch.setenv("COLUMNS", "60")
     done = run("check", "s.yaml")
     assert all(len(line) <= 60 for line in done.out.splitlines())
-    column = "".join(line[: line.index(" ")] if " " in line else line for line in done.out.splitlines()[1:-2])
+    column = "".join(line.split(" ")[0] for line in done.out.splitlines()[2:-4])
     assert name in column
-    assert "5 bodies, 3 pairs to check" in done.out
+    assert "5 bodies, 3 of 6 pairs to check" in done.out
 
 
 def test_names_that_look_like_markup_are_printed_as_they_are(run, folder: Path) -> None:
@@ -213,7 +264,7 @@ def test_a_scene_of_many_bodies_is_told_in_part(run, folder: Path) -> None:
     (folder / "s.yaml").write_text(CELL.split("settings")[0] + f"bodies:\n{bodies}")
     done = run("check", "s.yaml")
     assert "... and 20 more bodies" in done.out
-    assert "60 bodies, 0 pairs to check" in done.out
+    assert "60 bodies, 0 of 1770 pairs to check" in done.out
 
 
 def test_faults_are_told_in_lines_and_exit_2(run, folder: Path) -> None:

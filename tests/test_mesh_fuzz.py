@@ -146,6 +146,7 @@ def whole_files() -> Iterator[tuple[str, Read, Callable[[random.Random], bytes]]
     ball = trimesh.creation.icosphere(1)
     for kind, read in (("ply", read_ply), ("off", read_off), ("glb", read_glb), ("stl_ascii", read_stl)):
         data = ball.export(file_type=kind)
+        assert isinstance(data, bytes | str)
         yield f"ball as {kind}", read, plain(data if isinstance(data, bytes) else data.encode())
 
 

@@ -80,7 +80,7 @@ def test_a_polygon_no_fan_fits_is_covered_and_warned_of() -> None:
     text = "".join(f"v {x} {y} 0\n" for x, y in star) + "f 1 2 3 4 5 6 7 8 9 10\n"
     surface = read_obj(text.encode())
     assert len(surface.triangles) == 8
-    assert "holds 1 polygons that no fan" in surface.warnings[0]
+    assert "holds 1 polygon that no fan" in surface.warnings[0]
 
 
 @pytest.mark.parametrize(
@@ -133,7 +133,7 @@ def test_ascii_and_binary_stl_give_the_same_triangles() -> None:
 
 def test_bytes_after_a_binary_stl_are_warned_of() -> None:
     corners = np.eye(3)[None]
-    assert "has 7 bytes after the 1 triangles" in read_stl(binary_stl(corners) + b"trailer").warnings[0]
+    assert "has 7 bytes after the 1 triangle" in read_stl(binary_stl(corners) + b"trailer").warnings[0]
 
 
 @pytest.mark.parametrize(
@@ -241,7 +241,7 @@ def test_doubtful_meshes_are_warned_of(tmp_path: Path) -> None:
     (tmp_path / "mixed.obj").write_text(TETRAHEDRON.replace("f 1 3 2", "f 1 2 3"))
     opened, flat = load(tmp_path, "open.obj").warnings
     assert opened.startswith("open.obj is open: treated as a surface, containment inside it is not seen")
-    assert flat == "open.obj has 1 zero-area triangles"
+    assert flat == "open.obj has 1 zero-area triangle"
     assert "mixed.obj is of mixed orientation" in load(tmp_path, "mixed.obj").warnings[0]
 
 

@@ -201,4 +201,4 @@ def test_a_doubtful_mesh_is_warned_of_where_it_is_named(tmp_path: Path) -> None:
     (tmp_path / "m.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\n")
     is_open, flat = warnings(tmp_path, meshes("m.obj"))
     assert is_open.startswith("4:20: meshes.m.file: m.obj is open: treated as a surface")
-    assert flat == "4:20: meshes.m.file: m.obj has 1 zero-area triangles"
+    assert flat == "4:20: meshes.m.file: m.obj has 1 zero-area triangle"

@@ -89,6 +89,11 @@ def quoted(value: object) -> str:
     return repr(text if len(text) <= _LONGEST_QUOTE else text[:_LONGEST_QUOTE] + "...")
 
 
+def counted(count: int, thing: str, things: str = "") -> str:
+    """Return a number with its noun, whose plural has an s unless it is given: `1 pair`, `2 bodies`."""
+    return f"{count} {thing if count == 1 else things or thing + 's'}"
+
+
 def suggestion(name: object, candidates: Iterable[str]) -> str:
     """Return ` (did you mean 'x'?)` for the nearest of the candidates, or nothing."""
     known = list(candidates)

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ...scheduler.scene import Mesh
-from .errors import printable, quoted
+from .errors import counted, printable, quoted
 from .folder import Folder, FolderError
 from .grammar.scene import MeshReference
 from .limits import LARGEST_NUMBER, SMALLEST_NUMBER
@@ -153,10 +153,11 @@ def _warnings(content: _Content) -> list[str]:
     joined = content.topology
     warnings = list(content.surface.warnings)
     if not joined.solid:
-        loose = f"{joined.loose_edges} edges do not join exactly two triangles"
+        loose = f"{counted(joined.loose_edges, 'edge does', 'edges do')} not join exactly two triangles"
         warnings.append(f"is open: treated as a surface, containment inside it is not seen ({loose})")
     elif joined.twisted_edges:
-        warnings.append(f"is of mixed orientation: at {joined.twisted_edges} edges neighbours face opposite ways")
+        edges = counted(joined.twisted_edges, "edge")
+        warnings.append(f"is of mixed orientation: at {edges} neighbours face opposite ways")
     if joined.flat_triangles:
-        warnings.append(f"has {joined.flat_triangles} zero-area triangles")
+        warnings.append(f"has {counted(joined.flat_triangles, 'zero-area triangle')}")
     return warnings

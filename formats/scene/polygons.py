@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...scheduler.scene import FloatArray, IntArray
+from .errors import counted
 from .limits import FAN_TOLERANCE
 from .surface import MeshError, Surface
 
@@ -17,7 +18,7 @@ _MOST_STARTS = 256
 def polygon_surface(vertices: FloatArray, corners: IntArray, sizes: IntArray, warnings: Sequence[str]) -> Surface:
     """Return the surface of polygons, with one more warning if no fan of triangles fits some; see `triangulated`."""
     triangles, folded = triangulated(vertices, corners, sizes)
-    text = f"holds {folded} polygons that no fan of triangles fits: what is checked covers more than they do"
+    text = f"holds {counted(folded, 'polygon')} that no fan of triangles fits: what is checked covers more than they do"
     return Surface(vertices, triangles, (*warnings, text) if folded else tuple(warnings))
 
 

@@ -89,7 +89,7 @@ class ShapeReader:
         mesh = self._meshes.get(key)
         if mesh is None:
             return None
-        each = part.scale if isinstance(part.scale, tuple) else (part.scale,) * 3
+        each = part.scale if isinstance(part.scale, tuple) else (part.scale, part.scale, part.scale)
         scaled = self._folder.scaled(mesh, each)
         self.shown.setdefault(scaled, self._keys[key])
         return scaled

@@ -11,7 +11,7 @@ from ...scheduler.chain import parents_first
 from ...scheduler.scene import FloatArray, Mesh, Scene, Shape
 from ...scheduler.snapshot import world_poses
 from .document import Findings
-from .errors import Where
+from .errors import Where, counted
 from .limits import COARSE_PLACE, COARSE_TERMS, UNLIKELY_RATIO
 
 
@@ -71,7 +71,7 @@ def _warn_of_units(bodies: list[list[tuple[float, Shape]]], files: Mapping[Mesh,
     if worst and ratios[worst] > UNLIKELY_RATIO:
         compared = "smaller" if sizes[worst] < medians[worst] else "larger"
         problem = (
-            f"the mesh is {sizes[worst]:.3g} m in size, {ratios[worst]:.0f} times {compared} than what else there is"
+            f"the mesh is {sizes[worst]:.3g} m in size, {ratios[worst]:.4g} times {compared} than what else there is"
         )
         median = f"the median is {medians[worst]:.3g} m"
         findings.warn(("meshes", worst, "units"), f"{problem} ({median}): is a unit wrong, mm for m?")
@@ -111,7 +111,7 @@ def _coarsest(lengths: dict[int, float], features: dict[int, float], most: float
     ratios = {index: length / features[index] for index, length in lengths.items()}
     worst = max(ratios, key=ratios.__getitem__)
     coarse = sum(ratio > most for ratio in ratios.values())
-    return worst, ratios[worst], f" (and {coarse - 1} more bodies)" if coarse > 1 else ""
+    return worst, ratios[worst], f" (and {counted(coarse - 1, 'more body', 'more bodies')})" if coarse > 1 else ""
 
 
 def _distances(scene: Scene, centres: dict[int, FloatArray]) -> dict[int, float]:

@@ -7,7 +7,7 @@ import io
 import numpy as np
 
 from ...scheduler.scene import FloatArray
-from .errors import printable, quoted
+from .errors import counted, printable, quoted
 from .obj import coordinate
 from .surface import MeshError, Surface
 
@@ -38,7 +38,7 @@ def _read_binary(data: bytes) -> tuple[FloatArray, tuple[str, ...]]:
     end = _HEADER_BYTES + count * _TRIANGLE_BYTES
     if len(data) < end:
         whole = (len(data) - _HEADER_BYTES) // _TRIANGLE_BYTES
-        raise MeshError(f"the file is cut short: its header says {count} triangles, it holds {whole}")
+        raise MeshError(f"the file is cut short: its header says {counted(count, 'triangle')}, it holds {whole}")
     if count == 0:
         raise MeshError("the header says 0 triangles, expected at least one")
     corners = _loaded_by_trimesh(data[:end])
@@ -48,7 +48,7 @@ def _read_binary(data: bytes) -> tuple[FloatArray, tuple[str, ...]]:
     if len(bad):
         raise MeshError(f"triangle {bad[0] // 3 + 1} of {count} has a coordinate that is not finite")
     trailing = len(data) - end
-    warning = f"has {trailing} bytes after the {count} triangles of its header, which are left out"
+    warning = f"has {counted(trailing, 'byte')} after the {counted(count, 'triangle')} of its header, left out"
     return corners, (warning,) if trailing else ()
 
 

@@ -10,7 +10,7 @@ from decimal import Context, Decimal
 import numpy as np
 
 from ...scheduler.scene import FloatArray, IntArray
-from .errors import quoted
+from .errors import counted, quoted
 from .limits import AMBIGUOUS_TURN, LARGEST_DOCUMENT, QUATERNION_TOLERANCE, WIDE_TURN
 from .trajectory_csv import read_csv
 from .trajectory_table import Faults, Layout, Row, Table, TrajectoryError, read_table, text_lines
@@ -188,7 +188,9 @@ def _of_units(errors: FloatArray, lines: IntArray) -> tuple[str, ...]:
     if count == 0:
         return ()
     worst = int(np.argmax(errors))
-    text = f"has {count} quaternions whose length is off 1, by up to {errors[worst]:.2g} in line {lines[worst]}"
+    text = (
+        f"has {counted(count, 'quaternion')} whose length is off 1, by up to {errors[worst]:.2g} in line {lines[worst]}"
+    )
     return (f"{text}: they are normalised",)
 
 
@@ -208,7 +210,7 @@ def _of_turns(quaternions: FloatArray, lines: IntArray) -> tuple[str, ...]:
         if len(indices):
             first = int(indices[0])
             where = f"lines {lines[first]} and {lines[first + 1]} ({math.degrees(angles[first]):.1f} degrees)"
-            times = f"turns by {amount} between successive poses {len(indices)} times"
+            times = f"turns by {amount} between successive poses {counted(len(indices), 'time')}"
             warnings.append(f"{times}, first between {where}: {remark}")
     return tuple(warnings)
 
