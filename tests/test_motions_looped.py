@@ -68,6 +68,17 @@ def test_the_last_of_stepped_keys_is_never_seen_in_a_loop():
     assert stops == [before(1.0), 1.0, before(2.0), 2.0]
 
 
+def test_a_key_is_jumped_to_at_its_time_and_not_a_float_sooner():
+    """Where floats are finer at a time than at the time since the first key, the float before it rounds up to it."""
+    for first in (-0.5, -8.0, -1024.0):
+        motion = Looped(keys_at([first, 0.296875, 2.0], [0, 1, 0], Translation.STEP), True, True)
+        for key, shown in ((0.296875, 1.0), (2.0, 0.0)):
+            assert motion.pose(before(key))[0, 3] == 1.0 - shown
+            assert motion.pose(key)[0, 3] == shown
+            assert motion.stop_after(before(before(key))) == before(key)
+            assert motion.stop_after(before(key)) == key
+
+
 def test_the_last_of_stepped_keys_is_not_even_seen_where_the_end_is_rounded_late():
     """1e5 s after the keys, loops begin at floats some 1e-11 s off: the last instants are more than a period late."""
     motion = Looped(keys_at([-1e5, -1e5 + 0.1, -1e5 + 0.3], [0, 1, 7], Translation.STEP), True, True)

@@ -145,7 +145,7 @@ class Looped:
 
     def _since(self, loop: int, t: float) -> float:
         """Return loop time: t counted from the loop's start, short of its end; unlimited where the pose is held."""
-        since = t - self._boundary(loop)
+        since = elapsed(self._boundary(loop), t)
         return min(since, nextafter(self._period, 0.0)) if self._ends(loop) else since
 
     def _locate(self, t: float) -> tuple[int, float]:
@@ -173,7 +173,7 @@ class Looped:
         step = 2.0 * ulp(max(abs(start), abs(guess), self._period))
         low, high = guess - step, guess + step
         while (middle := 0.5 * low + 0.5 * high) not in (low, high):
-            if middle - start >= since:
+            if elapsed(start, middle) >= since:
                 high = middle
             else:
                 low = middle
@@ -203,3 +203,11 @@ class Looped:
         rest, whole, again = span(start, self._period), span(0.0, self._period), span(0.0, end)
         length = path.length(rest) + (loops - 1) * path.length(whole) + path.length(again)
         return length, turning.angle(rest) + (loops - 1) * turning.angle(whole) + turning.angle(again)
+
+
+def elapsed(start: float, t: float) -> float:
+    """Return t - start (s) rounded down, so that no float before a jump counts as the jump (Knuth's TwoSum)."""
+    since = t - start
+    taken = t - since
+    rest = (t - (since + taken)) + (taken - start)
+    return nextafter(since, -inf) if rest < 0.0 else since
