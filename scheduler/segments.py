@@ -53,15 +53,16 @@ def _margin(edges_of: FloatArray, faces: FloatArray) -> float:
         normals = np.where(lengths[:, None] > 0.0, normals / lengths[:, None], 0.0)
     first = np.einsum("kec,kc->ke", begins - faces[:, :1], normals)  # signed distances of each edge's ends
     last = np.roll(first, -1, axis=1)
-    ends = np.where(first * last < 0.0, np.minimum(np.abs(first), np.abs(last)), 0.0)
-    if not ends.any():
+    face, edge = np.nonzero(first * last < 0.0)
+    first, last = first[face, edge], last[face, edge]
+    begins, sides, corners, borders = begins[face, edge], sides[face, edge], faces[face], borders[face]
+    crossings = begins + (first / (first - last))[:, None] * sides
+    arms = crossings[:, None] - corners  # (crossing edges, corner, 3)
+    inside = np.all(np.einsum("xfc,xc->xf", np.cross(borders, arms), normals[face]) > 0.0, axis=1)
+    if not inside.any():
         return 0.0
-    with np.errstate(divide="ignore", invalid="ignore"):
-        share = np.where(ends > 0.0, first / (first - last), 0.0)
-    crossings = begins + share[..., None] * sides
-    arms = crossings[:, :, None] - faces[:, None, :]  # (k, edge, corner, 3)
-    turns = np.einsum("kefc,kc->kef", np.cross(np.broadcast_to(borders[:, None], arms.shape), arms), normals)
-    inside = np.all(turns > 0.0, axis=2)
-    ways, crossing = ways_between(begins[:, :, None], sides[:, :, None], faces[:, None, :], borders[:, None, :])
-    clear = np.where(crossing, np.linalg.norm(ways, axis=-1), 0.0).min(axis=2)
-    return float(np.where(inside, np.minimum(ends, clear), 0.0).max()) * (1.0 - ROUNDING)
+    begins, sides, corners, borders = begins[inside], sides[inside], corners[inside], borders[inside]
+    ways, crossing = ways_between(begins[:, None], sides[:, None], corners, borders)
+    clear = np.where(crossing, np.linalg.norm(ways, axis=-1), 0.0).min(axis=1)
+    ends = np.minimum(np.abs(first), np.abs(last))[inside]
+    return float(np.minimum(ends, clear).max()) * (1.0 - ROUNDING)
