@@ -1,55 +1,81 @@
 """The directional bound: every two triangles within reach stay on their sides of a slab between them.
 
 Triangles are convex, so where a direction n parts two of them by a gap, they stay apart until their corners have
-closed it along n; motion across n costs nothing. Each pair of triangles within reach gets directions of its own, all
-others are too far away for the plain displacement bound. Sources: Zhang, Redon, Lee, Kim, "CATCH" (2007); Tang, Kim,
-Manocha, "C2A" (2009).
+closed it along n; motion across n costs nothing. The way between the bodies' nearest points serves all pairs of
+triangles within reach, and those that it serves worst get directions of their own; all others are too far away for the
+plain displacement bound. Sources: Zhang, Redon, Lee, Kim, "CATCH" (2007); Tang, Kim, Manocha, "C2A" (2009).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
 from math import inf
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .bounds import RELATIVE_ROUNDING
 from .chain import Twist
 from .nearby import NearTriangles
 from .rotation import FloatArray
 from .segments import ways_between
+from .vector import Vector
 
 #: Vectors shorter than this (m, m^2) point nowhere. Longer ones that are noise do no harm: each gap is measured anew.
 SHORTEST = 1e-150
+#: So many pairs of triangles get directions of their own at first; twice as many each time that is not enough.
+FIRST_PAIRS = 64
+#: Directions of a pair's own: two normals, nine cross products of edges, the way between the nearest points.
+OWN_DIRECTIONS = 12
 
 
-@dataclass(frozen=True, slots=True, eq=False)
 class Slabs:
     """Gaps between all triangles of two bodies that are within reach of each other, at one time.
 
     Attributes:
-        reach: m, whatever is not in a slab is at least this far apart.
-        gaps: (k, d, 9) m, for each of k triangle pairs along each of d directions, from each corner of the one to each
-            of the other; errors and rounding radii are off.
-        closings: (k, d, 9) m/s, how fast each of these gaps closes then.
-        acceleration: m/s^2, above that of any point of the one relative to any of the other, until the horizon.
-        horizon: s after that time.
+        reach: m, whatever is not among the pairs is at least this far apart.
+        horizon: s, how far ahead the slabs may be asked of.
     """
 
-    reach: float
-    gaps: FloatArray
-    closings: FloatArray
-    acceleration: float
-    horizon: float
+    def __init__(
+        self,
+        near: NearTriangles,
+        twists: tuple[Twist, Twist],
+        direction: Vector,
+        error: float,
+        reach: float,
+        acceleration: float,
+        horizon: float,
+        slack: float,
+    ) -> None:
+        """Take the pairs.
+
+        Args:
+            near: the pairs.
+            twists: of both bodies, in the frame of the corners.
+            direction: unit, from the first body to the other, which all pairs are measured along.
+            error: m, by which placed corners may be wrong.
+            reach: as the attribute.
+            acceleration: m/s^2, above that of any point of the one relative to any of the other, until the horizon.
+            horizon: as the attribute.
+            slack: m/s, by which the velocities may be wrong.
+        """
+        self.reach, self.horizon = reach, horizon
+        self._near, self._twists = near, twists
+        self._error, self._slack, self._acceleration = error, slack, acceleration
+        every: NDArray[np.intp] = np.arange(len(near.radii))
+        along = np.broadcast_to(np.array(direction), (len(every), 1, 3))
+        self._gaps, self._closings = self._across(every, along)
+        self._own_gaps = self._own_closings = np.empty((0, OWN_DIRECTIONS, 9))
+        self._known = np.empty(0, dtype=np.intp)  # the pairs that have directions of their own, in order of those
 
     def sleep(self, spare: float) -> float:
         """Return how long (s, <= horizon) every slab stays wider than `spare` m; errs low."""
-        if not len(self.gaps):
-            return self.horizon
-        left = self.gaps * (1.0 - RELATIVE_ROUNDING) - spare
-        roots = _roots(left, self.closings, self.acceleration)
-        longest = roots.min(axis=2).max(axis=1).min()
-        return min(self.horizon, float(longest) * (1.0 - RELATIVE_ROUNDING))
+
+        def lasts(gaps: FloatArray, closings: FloatArray) -> FloatArray:
+            return _roots(gaps * (1.0 - RELATIVE_ROUNDING) - spare, closings, self._acceleration)
+
+        return self._least(lasts, self.horizon) * (1.0 - RELATIVE_ROUNDING)
 
     def clearance(self, duration: float, displacement: float) -> float:
         """Return a lower bound (m) on the distance over the next `duration` s, -inf past the horizon.
@@ -58,64 +84,70 @@ class Slabs:
             duration: s.
             displacement: m, above how far the two bodies get relative to each other within it.
         """
-        if duration > self.horizon:
-            return -inf
-        beyond = self.reach - displacement
-        if not len(self.gaps):
-            return beyond
-        lost = np.maximum(0.0, self.closings * duration + 0.5 * self.acceleration * duration**2)
-        left = self.gaps * (1.0 - RELATIVE_ROUNDING) - lost * (1.0 + RELATIVE_ROUNDING)
-        return min(beyond, float(left.min(axis=2).max(axis=1).min()))
 
+        def left(gaps: FloatArray, closings: FloatArray) -> FloatArray:
+            lost = np.maximum(0.0, closings * duration + 0.5 * self._acceleration * duration**2)
+            return gaps * (1.0 - RELATIVE_ROUNDING) - lost * (1.0 + RELATIVE_ROUNDING)
 
-def slabs(
-    near: NearTriangles,
-    twists: tuple[Twist, Twist],
-    error: float,
-    reach: float,
-    acceleration: float,
-    horizon: float,
-    slack: float,
-) -> Slabs:
-    """Return the slabs between pairs of triangles.
+        return -inf if duration > self.horizon else self._least(left, self.reach - displacement)
 
-    Args:
-        near: the pairs.
-        twists: of both bodies, in the frame of the corners.
-        error: m, by which placed corners may be wrong.
-        reach: m, below the distance of whatever is not among the pairs.
-        acceleration, horizon: as in Slabs.
-        slack: m/s, by which the velocities may be wrong.
-    """
-    one, other, radii = near
-    directions = _directions(one, other)
-    low = np.einsum("kdc,kvc->kdv", directions, one)
-    high = np.einsum("kdc,kvc->kdv", directions, other)
-    gaps = high[:, :, None, :] - low[:, :, :, None] - (radii[:, None, None, None] + error)
-    approach = np.einsum("kdc,kvc->kdv", directions, twists[0].at(one))
-    retreat = np.einsum("kdc,kvc->kdv", directions, twists[1].at(other))
-    closings = approach[:, :, :, None] - retreat[:, :, None, :] + slack
-    shape = (*gaps.shape[:2], 9)
-    return Slabs(reach, gaps.reshape(shape), closings.reshape(shape), acceleration, horizon)
+    def _least(self, value: Callable[[FloatArray, FloatArray], FloatArray], most: float) -> float:
+        """Return the least over the pairs of the best that any of their directions gives, at most `most`.
 
+        A direction gives the least of `value(gaps, closings)` over its corners. As long as the least of all stands with
+        pairs that have no directions of their own yet, these get them.
+        """
+        best = value(self._gaps, self._closings).min(axis=2)[:, 0]
+        if len(self._known):
+            own = value(self._own_gaps, self._own_closings).min(axis=2).max(axis=1)
+            best[self._known] = np.maximum(best[self._known], own)
+        while True:
+            least = min(most, float(best[self._known].min(initial=inf)))
+            lower = best < least
+            lower[self._known] = False
+            pairs = np.flatnonzero(lower)
+            if not len(pairs):
+                return min(most, float(best.min(initial=inf)))
+            pairs = pairs[np.argsort(best[pairs], kind="stable")][: max(FIRST_PAIRS, len(self._known))]
+            gaps, closings = self._across(pairs, self._directions_of(pairs))
+            best[pairs] = np.maximum(best[pairs], value(gaps, closings).min(axis=2).max(axis=1))
+            self._own_gaps = np.concatenate((self._own_gaps, gaps))
+            self._own_closings = np.concatenate((self._own_closings, closings))
+            self._known = np.concatenate((self._known, pairs))
 
-def _directions(one: FloatArray, other: FloatArray) -> FloatArray:
-    """Return unit directions (k, d, 3) from each triangle of `one` towards its partner; zero where there is none.
+    def _across(self, pairs: NDArray[np.intp], directions: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the gaps and how fast they close, of pairs (k,) along directions (k, d, 3) of each.
 
-    The separating axes of two triangles: their normals and the cross products of their edges; and for their corners
-    the ways from corner to corner.
-    """
-    sides, others = np.roll(one, -1, axis=1) - one, np.roll(other, -1, axis=1) - other
-    normals = np.stack((np.cross(sides[:, 0], sides[:, 1]), np.cross(others[:, 0], others[:, 1])), axis=1)
-    crosses = np.cross(sides[:, :, None], others[:, None, :]).reshape(-1, 9, 3)
-    across = _between_nearest_points(one, other, sides, others)
-    found = np.concatenate((normals, crosses, across[:, None]), axis=1)
-    lengths = np.linalg.norm(found, axis=2)
-    known = (lengths > SHORTEST)[:, :, None]
-    found = np.divide(found, lengths[:, :, None], out=np.zeros_like(found), where=known)
-    middle = other.mean(axis=1) - one.mean(axis=1)
-    towards: FloatArray = found * np.where(np.einsum("kdc,kc->kd", found, middle) < 0.0, -1.0, 1.0)[:, :, None]
-    return towards
+        (k, d, 9) m and m/s, from each corner of the one to each of the other; errors and rounding radii are off.
+        """
+        one, other = self._near.one[pairs], self._near.other[pairs]
+        onto = np.swapaxes(directions, 1, 2)
+        low, high = one @ onto, other @ onto  # (k, corner, d)
+        approach, retreat = self._twists[0].at(one) @ onto, self._twists[1].at(other) @ onto
+        taken = self._near.radii[pairs] + self._error
+        gaps = high[:, None, :] - low[:, :, None] - taken[:, None, None, None]
+        closings = approach[:, :, None] - retreat[:, None, :] + self._slack
+        shape = (len(pairs), 9, directions.shape[1])
+        return np.swapaxes(gaps.reshape(shape), 1, 2), np.swapaxes(closings.reshape(shape), 1, 2)
+
+    def _directions_of(self, pairs: NDArray[np.intp]) -> FloatArray:
+        """Return unit directions (k, OWN_DIRECTIONS, 3) from one triangle towards the other, zero where there is none.
+
+        The separating axes of two triangles: their normals and the cross products of their edges; and for their corners
+        the way between the nearest points.
+        """
+        one, other = self._near.one[pairs], self._near.other[pairs]
+        sides, others = np.roll(one, -1, axis=1) - one, np.roll(other, -1, axis=1) - other
+        normals = np.stack((np.cross(sides[:, 0], sides[:, 1]), np.cross(others[:, 0], others[:, 1])), axis=1)
+        crosses = np.cross(sides[:, :, None], others[:, None, :]).reshape(-1, 9, 3)
+        across = _between_nearest_points(one, other, sides, others)
+        found = np.concatenate((normals, crosses, across[:, None]), axis=1)
+        lengths = np.linalg.norm(found, axis=2)
+        known = (lengths > SHORTEST)[:, :, None]
+        found = np.divide(found, lengths[:, :, None], out=np.zeros_like(found), where=known)
+        middle = other.mean(axis=1) - one.mean(axis=1)
+        towards: FloatArray = found * np.where(np.einsum("kdc,kc->kd", found, middle) < 0.0, -1.0, 1.0)[:, :, None]
+        return towards
 
 
 def _between_nearest_points(one: FloatArray, other: FloatArray, sides: FloatArray, others: FloatArray) -> FloatArray:

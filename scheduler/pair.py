@@ -10,13 +10,13 @@ from math import inf
 import numpy as np
 
 from .chain import Extent, chain_to, common_ancestor, lineage
-from .directional import Slabs, slabs
+from .directional import Slabs
 from .events import Distance, Feature, FeatureKind, Level, PairKey, Verdict
 from .narrow_phase import NarrowPhase, Proximity, Rounded, body_extent
 from .relative import CANCELLATION, Moments, RelativeMotion
 from .rotation import FloatArray, mapped, translation_of
 from .scene import Body, Scene, all_pairs, pair_id
-from .vector import Vector, norm, subtract
+from .vector import Vector, norm, subtract, unit
 
 #: Bounding spheres settle a wakeup while their gap exceeds this share of the sum of their radii. Nearer, the exact
 #: distance buys a sleep that is worth its cost.
@@ -148,7 +148,10 @@ class Pair:
         twists = [chain.twist(moment) for chain, moment in ((self.motion.a, moments.a), (self.motion.b, moments.b))]
         one, other = (twist._replace(origin=subtract(twist.origin, centre)) for twist in twists)
         slack = CANCELLATION * (self.motion.a.fastest(twists[0]) + self.motion.b.fastest(twists[1]))
-        return slabs(found, (one, other), self.error, reach, near.acceleration, near.horizon, slack)
+        proximity = measurement.proximity
+        assert proximity is not None
+        direction = unit(subtract(proximity.witness_b, proximity.witness_a))
+        return Slabs(found, (one, other), direction, self.error, reach, near.acceleration, near.horizon, slack)
 
     def distance(self, measurement: Measurement) -> Distance | None:
         """Return the measurement as it is reported, in the world's frame; None where nothing exact was measured."""
