@@ -117,12 +117,12 @@ def test_trajectory_files_are_kept_with_their_hash_by_the_body_that_moves_so(fol
         (
             "file: path.csv, layout: csv, time_origin: zero",
             "6:32: bodies.a.motion.file: ",
-            "expected the first pose at 0 s or before, or say before: hold or loop, got 10 s",
+            "path.csv:2: expected the first pose at 0 s or before, or say before: hold or loop, got 10 s",
         ),
         (
             "file: path.csv, layout: csv, t0: -0.5",
             "6:32: bodies.a.motion.file: ",
-            "expected the last pose at 1 s or after, or say after: hold or loop, got 0.5 s",
+            "path.csv:4: expected the last pose at 1 s or after, or say after: hold or loop, got 0.5 s",
         ),
         (
             "file: one.csv, layout: csv, after: loop",

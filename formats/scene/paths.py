@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,6 +24,13 @@ from .trajectories import LARGEST_TRAJECTORY, Trajectory, TrajectoryError, read_
 from .units import Scale, metres_of
 
 _TRANSLATIONS = {"linear": Translation.LINEAR, "cubic": Translation.CUBIC, "step": Translation.STEP}
+
+
+class _End(NamedTuple):
+    """The first or last pose of a path: where the scene has it, and if that is a file, its name and line."""
+
+    where: Where
+    line: str = ""
 
 
 class PathReader:
@@ -51,7 +58,7 @@ class PathReader:
         _check_order(part.keys, keys, self._findings)
         times = np.array([key.t for key in part.keys]) + part.t0
         if len(self._findings.faults) == faults_before:
-            ends = [(*keys, 0, "t"), (*keys, len(part.keys) - 1, "t")]
+            ends = _End((*keys, 0, "t")), _End((*keys, len(part.keys) - 1, "t"))
             self._check_times(part, times, needed, ends, where)
         velocities = self._velocities(part, keys)
         placements = [placement(key, (*keys, i), self._scale, self._findings) for i, key in enumerate(part.keys)]
@@ -77,7 +84,8 @@ class PathReader:
             return Fixed()
         times = trajectory.times + part.t0
         shown = printable(part.file)
-        self._check_times(part, times, needed, [(*where, "file")] * 2, where)
+        first, last = (_End((*where, "file"), f"{shown}:{trajectory.lines[place]}: ") for place in (0, -1))
+        self._check_times(part, times, needed, (first, last), where)
         if len(self._findings.faults) > faults_before:
             return Fixed()
         for warning in trajectory.warnings:
@@ -109,7 +117,7 @@ class PathReader:
         return trajectory.shifted_to_first() if part.time_origin == "first" else trajectory
 
     def _check_times(
-        self, part: PathMotion, times: FloatArray, needed: Interval, ends: Sequence[Where], where: Where
+        self, part: PathMotion, times: FloatArray, needed: Interval, ends: tuple[_End, _End], where: Where
     ) -> None:
         """Record a fault where the poses end before they may."""
         if not np.all(np.diff(times) > 0.0):
@@ -119,11 +127,12 @@ class PathReader:
         begin, end = needed
         remedy = "or say before: hold or loop"
         if first > begin and part.before == "error":
-            problem = f"expected the first pose at {quoted(begin)} s or before, {remedy}"
-            self._findings.fault(ends[0], f"{problem}, got {quoted(first)} s")
+            problem = f"{ends[0].line}expected the first pose at {quoted(begin)} s or before, {remedy}"
+            self._findings.fault(ends[0].where, f"{problem}, got {quoted(first)} s")
         if last < end and part.after == "error":
-            problem = f"expected the last pose at {quoted(end)} s or after, {remedy.replace('before', 'after')}"
-            self._findings.fault(ends[1], f"{problem}, got {quoted(last)} s")
+            remedy = remedy.replace("before", "after")
+            problem = f"{ends[1].line}expected the last pose at {quoted(end)} s or after, {remedy}"
+            self._findings.fault(ends[1].where, f"{problem}, got {quoted(last)} s")
         for side in ("before", "after"):
             if getattr(part, side) == "loop":
                 self._check_loop(times, (*where, side))
