@@ -217,8 +217,9 @@ def _sequence(source: Random, part: dict[str, Any], key: str) -> list[Any]:
 def _number(source: Random, part: dict[str, Any]) -> float:
     least = part.get("minimum", -1e15)
     pool = EXTREME if source.random() < 0.1 else USUAL
-    fitting = [value for value in pool if value >= least]
-    return source.choice(fitting)
+    most = part.get("exclusiveMaximum", float("inf"))
+    fitting = [value for value in pool if least <= value < most]
+    return source.choice(fitting or [value for value in USUAL if least <= value < most])
 
 
 def _mutate(source: Random, document: Any) -> None:

@@ -66,9 +66,27 @@ def test_a_least_scene_is_accepted() -> None:
         (
             HEAD + "settings: {margins: 1}\nbodies: {}",
             "4:12: settings: ",
-            "unknown key 'margins' (did you mean 'margin'?), expected time_resolution, contact_tolerance or margin",
+            "unknown key 'margins' (did you mean 'margin'?), expected time_resolution, contact_tolerance, margin or",
         ),
-        (HEAD + "meshes: {a: {file: x.obj}}\nbodies: {}", "4:10: meshes.a: ", "missing key 'units'"),
+        (
+            HEAD + "settings: {distance_tolerance: wide}\nbodies: {}",
+            "4:32: settings.distance_tolerance: ",
+            "expected a number or none, got 'wide'",
+        ),
+        (HEAD + "settings: {distance_tolerance: 1}\nbodies: {}", "4:32: settings.", "a number less than 1, got 1"),
+        (HEAD + "settings: {distance_tolerance: 0}\nbodies: {}", "4:32: settings.", "greater than 0, got 0"),
+        (
+            HEAD + "settings: {margin: 5 mm}\nbodies: {}",
+            "4:20: settings.margin: ",
+            "got '5 mm': write the number alone, 'units' says its unit",
+        ),
+        (
+            HEAD.replace("end: 1", "end: 90deg") + "bodies: {}",
+            "3:23: time.end: ",
+            "got '90deg': write the number alone, 'units' says its unit",
+        ),
+        (HEAD.replace("closecall: 1\n", "") + "bodies: {}", "1:1: scene: ", "missing key 'closecall', expected 1"),
+        (HEAD + "meshes: {a: {file: x.obj}}\nbodies: {}", "4:10: meshes.a: ", "key 'units', expected m, cm, mm"),
         (HEAD + "meshes: {a: {file: x.obj, units: mm, up: x}}\nbodies: {}", "4:42: meshes.a.up: ", "expected z or y"),
         (
             HEAD + "meshes: {a: {file: '', units: mm}}\nbodies: {}",

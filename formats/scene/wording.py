@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import re
 import types
 from collections.abc import Callable, Iterator, Sequence
-from typing import Annotated, Any, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import Tag, ValidationError
 from pydantic.fields import FieldInfo
@@ -16,6 +17,12 @@ from .grammar.base import Part
 from .grammar.motions import LATER_MOTIONS, MOTIONS
 from .grammar.scene import SceneFile
 from .grammar.shapes import SHAPES
+
+_MEASURE = re.compile(r"[-+]?[0-9.]+([eE][-+]?[0-9]+)? *[^\W\d_]+\Z|[-+]?[0-9.]+ *[°%\"']\Z")
+"""A number with a unit after it."""
+
+_NUMBER_OR = {("scale", "all"): "a number or a list of 3", ("distance_tolerance", "share"): "a number or none"}
+"""Where another value than a number may stand, by the end of pydantic's `loc`."""
 
 LATER = "not supported by this version"
 FORMAT_VERSION = 1
@@ -65,7 +72,10 @@ def _told(details: ErrorDetails) -> tuple[Where, str, Where | None]:
     kind, loc = details["type"], details["loc"]
     if kind == "missing" and isinstance(loc[-1], str):
         where, _ = _followed(loc[:-1])
-        return where, f"missing key {quoted(loc[-1])}", where
+        _, annotation = _followed(loc)
+        words = [str(word) for word in get_args(annotation)] if get_origin(annotation) is Literal else []
+        expected = f", expected {_one_of(words)}" if words else ""
+        return where, f"missing key {quoted(loc[-1])}{expected}", where
     if kind == "extra_forbidden":
         where, annotation = _followed(loc[:-1])
         return where, _unknown_key(annotation, str(loc[-1])), (*where, loc[-1])
@@ -146,8 +156,10 @@ def _too_small(details: ErrorDetails) -> str:
 
 
 def _no_number(details: ErrorDetails) -> str:
-    what = "a number or a list of 3" if details["loc"][-2:] == ("scale", "all") else "a number"
-    return f"expected {what}, got {quoted(details['input'])}"
+    what = _NUMBER_OR.get(details["loc"][-2:], "a number")
+    got = details["input"]
+    remedy = ": write the number alone, 'units' says its unit" if isinstance(got, str) and _MEASURE.match(got) else ""
+    return f"expected {what}, got {quoted(got)}{remedy}"
 
 
 def _expected(what: str) -> Callable[[ErrorDetails], str]:
@@ -166,6 +178,9 @@ _WORDINGS: dict[str, Callable[[ErrorDetails], str]] = {
     "too_short": lambda details: "expected at least one entry, got none",
     "string_too_short": lambda details: "expected text, got an empty one",
     "greater_than_equal": _too_small,
+    "less_than": lambda details: (
+        f"expected a number less than {details.get('ctx', {})['lt']:g}, got {quoted(details['input'])}"
+    ),
     "less_than_equal": lambda details: (
         f"expected a number of at most {details.get('ctx', {})['le']:g}, got {quoted(details['input'])}"
     ),

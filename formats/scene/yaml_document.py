@@ -15,6 +15,7 @@ from .scalars import NotFiniteError, plain_scalar
 
 LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
+TOO_DEEP = f"nested more than {DEEPEST_NESTING} deep"
 EMPTY = "the file is empty, a scene begins with 'closecall: 1'"
 
 _UNPRINTABLE = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]|\ufeff")
@@ -37,7 +38,7 @@ def read_yaml(text: str, file: str, loader: Any = LOADER) -> Document:
         for event in yaml.parse(text, Loader=loader):
             builder.take(event)
     except yaml.YAMLError as error:
-        _refuse_syntax(error, builder)
+        _refuse_syntax(error, builder, text)
     return builder.finish()
 
 
@@ -49,15 +50,34 @@ def _refuse_unprintable(text: str, file: str) -> None:
         refuse(file, position, (), f"the character U+{ord(found[0]):04X} is not allowed, write printable text")
 
 
-def _refuse_syntax(error: yaml.YAMLError, builder: _Builder) -> NoReturn:
+_HINTS = {
+    "cannot start any token": "put text that begins with this character in quotes",
+    "mapping values are not allowed": "is a space missing after a colon, or are quotes around text with a colon in it?",
+    "did not find expected key": "is the line indented as those above?",
+    "expected <block end>": "is the line indented as those above?",
+}
+"""What libyaml and PyYAML say, and what most often is behind it."""
+
+
+def _hint(problem: str, text: str, mark: Any) -> str:
+    """Return what may mend a problem at a place of the text; empty if that is not known."""
+    if mark and text[mark.index : mark.index + 1] == "\t":
+        return ": it is a tab, indent with spaces"
+    return next((f": {hint}" for said, hint in _HINTS.items() if said in problem), "")
+
+
+def _refuse_syntax(error: yaml.YAMLError, builder: _Builder, text: str) -> NoReturn:
     if not isinstance(error, yaml.MarkedYAMLError):
         refuse(builder.file, (1, 1), (), f"not valid YAML: {printable(str(error))}")
     mark = error.problem_mark or error.context_mark
+    if "nesting depth" in str(error.problem):  # libyaml looks ahead, and stops at a limit of its own
+        refuse(builder.file, (1, 1), (), TOO_DEEP)
     position = (mark.line + 1, mark.column + 1) if mark else (1, 1)
     context = f" {error.context}" if error.context else ""
     if error.context and error.context_mark and error.context_mark.line + 1 != position[0]:
         context += f" that begins in line {error.context_mark.line + 1}"
-    refuse(builder.file, position, builder.where(), f"not valid YAML: {error.problem}{context}")
+    hint = _hint(str(error.problem), text, mark)
+    refuse(builder.file, position, builder.where(), f"not valid YAML: {printable(str(error.problem))}{context}{hint}")
 
 
 @dataclass(slots=True)
@@ -142,7 +162,7 @@ class _Builder:
         if self._stack and isinstance(self._stack[-1].values, dict) and self._stack[-1].key is None:
             self._refuse(event, "a key must be text, got a mapping or list")
         if len(self._stack) == DEEPEST_NESTING:
-            self._refuse(event, f"nested more than {DEEPEST_NESTING} deep")
+            self._refuse(event, TOO_DEEP)
         where = self.where()
         self._values[where] = _begin(event)
         self._stack.append(_Open(where, {} if isinstance(event, yaml.MappingStartEvent) else []))

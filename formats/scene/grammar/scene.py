@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Discriminator, Field, Tag
 
 from .base import LengthUnit, Margin, Number, Part, Share, Size
 from .motions import MotionChoice
@@ -26,6 +26,15 @@ class TimeRange(Part):
     end: Number = Field(description="Seconds, after start.")
 
 
+def _tolerance_tag(value: Any) -> str:
+    return "none" if value == "none" else "share"
+
+
+DistanceTolerance = Annotated[
+    Annotated[Share, Tag("share")] | Annotated[Literal["none"], Tag("none")], Discriminator(_tolerance_tag)
+]
+
+
 class SettingsPart(Part):
     """What a command-line option overrides."""
 
@@ -38,7 +47,7 @@ class SettingsPart(Part):
     margin: Margin | None = Field(
         default=None, description="A pair nearer than this is in breach, in the file's length unit. Default: 0."
     )
-    distance_tolerance: Share | Literal["none"] | None = Field(
+    distance_tolerance: DistanceTolerance | None = Field(
         default=None,
         description="How well each pair's least distance is certified, as a share of it (never better than 1e-6 m); "
         "none: as it comes. Default: 0.01.",
