@@ -21,7 +21,10 @@ from .grammar.shapes import SHAPES
 _MEASURE = re.compile(r"[-+]?[0-9.]+([eE][-+]?[0-9]+)? *[^\W\d_]+\Z|[-+]?[0-9.]+ *[°%\"']\Z")
 """A number with a unit after it."""
 
-_NUMBER_OR = {("scale", "all"): "a number or a list of 3", ("distance_tolerance", "share"): "a number or none"}
+_NUMBER_OR: dict[tuple[int | str, ...], str] = {
+    ("scale", "all"): "a number or a list of 3",
+    ("distance_tolerance", "share"): "a number or none",
+}
 """Where another value than a number may stand, by the end of pydantic's `loc`."""
 
 LATER = "not supported by this version"
