@@ -18,7 +18,8 @@ from typing import NamedTuple
 import numpy as np
 
 from closecall.scheduler.bounds import longest_sleep, time_bound
-from closecall.scheduler.chain import Ball, Chain, Extent, Joint, Moment
+from closecall.scheduler.chain import Chain, Joint, Moment
+from closecall.scheduler.extent import Ball, Extent
 from closecall.scheduler.motions import Motion
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))

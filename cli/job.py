@@ -19,7 +19,8 @@ from ..formats.scene.errors import SceneError, counted, whole_file
 from ..formats.scene.loaded import LoadedScene
 from ..formats.scene.reader import read_scene
 from ..scheduler.narrow_phase import NarrowPhase
-from ..scheduler.pair import Pair, pairs_that_might_collide
+from ..scheduler.pair import Pair
+from ..scheduler.pairing import pairs_that_might_collide
 from ..scheduler.run import run
 from ..scheduler.scene import Scene, Settings, least_duration
 from ..scheduler.snapshot import Observer, observed

@@ -93,9 +93,11 @@ def _contacts(pair: PairSummary) -> str:
     """Return the first contact's begin and end with the keys it lies between, and how many there are."""
     contacts = pair["contacts"]
     if not contacts:
-        spans = pair["breaches"] or pair["unresolved"]
-        kind = "breach" if pair["breaches"] else "unresolved"
-        return f"{kind} " + ", ".join(f"{a:.6g}..{b:.6g} s" for a, b in spans[:2]) if spans else ""
+        kind, spans = next(
+            ((kind, spans) for kind in ("breaches", "unresolved", "possible") if (spans := pair.get(kind))), ("", [])
+        )
+        told = ", ".join(f"{a:.6g}..{b:.6g} s" for a, b in spans[:2])
+        return f"{'breach' if kind == 'breaches' else kind} {told}" if spans else ""
     first = contacts[0]
     end = "the end" if first["end"] is None else f"{first['end'][0]:.7g}"
     keys = "".join(f", {body} {_between(*around)}" for body, around in first["keys"].items())

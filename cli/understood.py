@@ -139,7 +139,7 @@ def _motion_name(body: Body) -> str:
 def _top_speeds(scene: Scene, body: Body) -> tuple[float, float] | None:
     """Return upper bounds on the speed (m/s) of a body's origin and on its turning (rad/s), both in its parent.
 
-    None for a motion with too many knots. Jumps have no speed.
+    None for a motion with too many knots, or without such a bound. Jumps have no speed.
     """
     time, end = max(scene.start, body.exists[0]), min(scene.end, body.exists[1])
     speed = turning = 0.0
@@ -148,7 +148,7 @@ def _top_speeds(scene: Scene, body: Body) -> tuple[float, float] | None:
         rates = body.motion.rates(time, knot - time)
         speed, turning, time = max(speed, rates.speed), max(turning, rates.angular_speed), knot
         if time >= end:
-            return speed, turning
+            return (speed, turning) if isfinite(speed + turning) else None
     return None
 
 

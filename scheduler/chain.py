@@ -9,20 +9,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .motions import Axis, Fixed, Interval, Motion, Rates, Reach
+from .extent import Extent
+from .motions import Axis, Fixed, Interval, Limits, Motion, Rates, Reach
 from .rotation import FloatArray, mapped, translation_of, turned
 from .scene import Body
 from .vector import ZERO, Vector, add, cross, distance_to_line, norm
 
 _WORLD: FloatArray = np.eye(4)
-
-
-@dataclass(frozen=True, slots=True)
-class Ball:
-    """All points within `radius` (m) of `centre`."""
-
-    centre: Vector
-    radius: float
 
 
 class Twist(NamedTuple):
@@ -50,20 +43,6 @@ class Joint:
     rest: FloatArray
     motion: Motion
     terms: tuple[float, ...] = ()
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Extent:
-    """A body's points in its own frame: those that span it, each rounded by its radius, and a ball around all.
-
-    Attributes:
-        points: (n, 3) m.
-        radii: (n,) m, each point stands for the ball of this radius about it.
-    """
-
-    points: FloatArray
-    radii: FloatArray
-    ball: Ball
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -253,7 +232,10 @@ def common_ancestor(bodies: tuple[Body, ...], a: int, b: int) -> int | None:
 
 
 def chain_to(bodies: tuple[Body, ...], body: int, ancestor: int | None, extent: Extent) -> Chain:
-    """Return the chain of `body` seen from `ancestor` (None: the world), motionless stretches multiplied together."""
+    """Return the chain of `body` seen from `ancestor` (None: the world), motionless stretches multiplied together.
+
+    A frame whose path is unknown stands at its rest pose.
+    """
     joints: list[Joint] = []
     fixed = np.eye(4)
     line = lineage(bodies, body)
@@ -262,7 +244,7 @@ def chain_to(bodies: tuple[Body, ...], body: int, ancestor: int | None, extent: 
     for index in reversed(stretch):
         fixed = fixed @ bodies[index].pose
         terms.append(norm(translation_of(bodies[index].pose)))
-        if not isinstance(bodies[index].motion, Fixed):
+        if not isinstance(bodies[index].motion, Fixed | Limits):
             joints.append(Joint(fixed, bodies[index].motion, tuple(terms)))
             fixed, terms = np.eye(4), []
     return Chain(tuple(joints), fixed, extent, tuple(terms))

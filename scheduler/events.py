@@ -180,6 +180,7 @@ class Nearness:
 
     Attributes:
         verdict: CONTACT where the solids touch (distance 0), BREACH below the margin, else CLEAR; of the instant alone.
+            Where a path is unknown, POSSIBLE where they may touch, or be below the margin.
         witness_a, witness_b: the nearest points, in the world.
     """
 

@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 import fcl
 import numpy as np
 
-from .chain import Ball, Extent
 from .events import Feature
+from .extent import bounding_ball
 from .nearby import NOTHING, NearTriangles, Triangles, near_pairs
 from .rotation import FloatArray, mapped, translation_of
 from .scene import Body, IntArray, Mesh, Shape
@@ -32,6 +32,9 @@ SCALE = 2.0**30
 #: m per m of size: a distance errs by less than this times the bodies' size about the centre of measurement, where no
 #: triangle is thin (measured: at most 1.1e-16 over 6,000 near pairs, `python -m benchmarks.narrow_phase_error 6000`).
 DISTANCE_ERROR = 64.0 * EPSILON
+
+POINT = Mesh("point", np.zeros((1, 3)), np.zeros((1, 3), dtype=np.int64), solid=False)
+"""The core of a ball."""
 
 _PLAIN_REQUEST = fcl.DistanceRequest()
 _DISTANCE_REQUEST = fcl.DistanceRequest(enable_nearest_points=True)
@@ -161,11 +164,22 @@ class NarrowPhase:
         self.seconds = 0.0
         meshes = {id(shape.mesh): shape.mesh for body in bodies for shape in body.shapes}
         models = {key: Model(mesh) for key, mesh in meshes.items()}
-        self._bodies = tuple(
+        self._bodies = [
             tuple(PlacedShape(i, shape, models[id(shape.mesh)]) for i, shape in enumerate(body.shapes))
             for body in bodies
-        )
-        self._point = fcl.CollisionObject(_bvh(np.zeros((1, 3)), np.zeros((1, 3), dtype=np.int64)), fcl.Transform())
+        ]
+        self._point = fcl.CollisionObject(_bvh(POINT.vertices, POINT.triangles), fcl.Transform())
+
+    def add_ball(self, radius: float) -> int:
+        """Return the index of a new body: the ball of this radius (m) about its frame's origin."""
+        ball = Shape(POINT, radius, np.eye(4))
+        self._bodies.append((PlacedShape(0, ball, Model(POINT)),))
+        return len(self._bodies) - 1
+
+    def is_ball(self, body: int) -> bool:
+        """Tell whether a body is a single ball."""
+        parts = self._bodies[body]
+        return len(parts) == 1 and len(parts[0].model.mesh.vertices) == 1
 
     def nearest(self, a: int, b: int, pose_a: FloatArray, pose_b: FloatArray) -> Proximity:
         """Return how near the surfaces of the bodies a and b are, placed by poses (4x4) of one common frame."""
@@ -318,24 +332,3 @@ def _bvh(vertices: FloatArray, triangles: IntArray) -> Any:
     model.addSubModel(vertices * SCALE, triangles)
     model.endModel()
     return model
-
-
-def bounding_ball(points: FloatArray) -> Ball:
-    """Return a ball about the middle of the points' bounding box, (n, 3) m."""
-    centre = 0.5 * (points.min(axis=0) + points.max(axis=0))
-    x, y, z = centre.tolist()
-    return Ball((x, y, z), float(np.max(np.linalg.norm(points - centre, axis=1))))
-
-
-def body_extent(body: Body) -> Extent:
-    """Return the points that span a body (its cores' vertices, each rounded by its shape's radius) and a ball."""
-    points, radii = [], []
-    for shape in body.shapes:
-        used = shape.mesh.vertices[np.unique(shape.mesh.triangles)]
-        points.append(used @ shape.pose[:3, :3].T + shape.pose[:3, 3])
-        radii.append(np.full(len(used), shape.radius))
-    spanning, rounding = np.vstack(points), np.concatenate(radii)
-    centre = 0.5 * ((spanning - rounding[:, None]).min(axis=0) + (spanning + rounding[:, None]).max(axis=0))
-    x, y, z = centre.tolist()
-    radius = float(np.max(np.linalg.norm(spanning - centre, axis=1) + rounding))
-    return Extent(spanning, rounding, Ball((x, y, z), radius))

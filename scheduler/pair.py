@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf
 
 import numpy as np
 
-from .chain import Extent, chain_to, common_ancestor, lineage
+from .chain import common_ancestor, lineage
 from .directional import Slabs
 from .events import Distance, Feature, FeatureKind, Level, PairKey, Verdict
-from .narrow_phase import NarrowPhase, Proximity, Rounded, body_extent
+from .narrow_phase import NarrowPhase, Proximity, Rounded
 from .relative import CANCELLATION, Moments, RelativeMotion
 from .rotation import FloatArray, mapped, translation_of
-from .scene import Body, Scene, all_pairs, pair_id
+from .scene import Scene
 from .vector import Vector, norm, subtract, unit
 
 #: Bounding spheres settle a wakeup while their gap exceeds this share of the sum of their radii. Nearer, the exact
@@ -71,6 +70,9 @@ class Pair:
 
     Attributes:
         start, end: s, between which both bodies exist.
+        possible: whether the path of one of them is unknown, so that balls that grow stand for what may be; then all
+            measurements are of those.
+        at_start: the same two at their start, where that is known though the paths are not.
         margin: m, nearer than which the pair is in breach.
         error: m, by which a measured distance may be wrong.
     """
@@ -82,13 +84,21 @@ class Pair:
         motion: RelativeMotion,
         phase: NarrowPhase,
         margin: float,
+        measured: tuple[int, int],
+        at_start: Pair | None = None,
     ):
-        """Take the pair's relative motion, and its margin in m."""
+        """Take the pair's relative motion, its margin in m, and what stands for its bodies in the narrow phase.
+
+        `at_start` is the pair at rest where paths are unknown, if its bodies' places are known at its start.
+        """
         self.key = key
         self.motion = motion
+        self.possible = bool(motion.unknown)
+        self.at_start = at_start
         self.margin = margin
         self.start, self.end = scene.shared_time(key.a, key.b)
-        self.error = motion.rounding((self.start, self.end)) + phase.error(key.a, key.b)
+        self._a, self._b = measured
+        self.error = motion.rounding((self.start, self.end)) + phase.error(self._a, self._b)
         self._bodies = scene.bodies
         self._narrow_phase = phase
 
@@ -96,7 +106,8 @@ class Pair:
         """Measure how far apart the surfaces are at t; whether one is inside the other is asked separately."""
         moments = self.motion.at(t)
         radii = self.motion.a.ball.radius + self.motion.b.ball.radius
-        clearance = norm(subtract(moments.a.centre, moments.b.centre)) - radii - self.error
+        centres = norm(subtract(moments.a.centre, moments.b.centre))
+        clearance = centres - radii - self.motion.spread(t) - self.error
         if clearance - self.margin > SPHERES_SUFFICE * radii and not self._round:
             return Measurement(t, moments, Level.SPHERE, clearance, inf, self.margin, None)
         return self._measured_exactly(t, moments)
@@ -110,16 +121,17 @@ class Pair:
             level, proximity = Level.SPHERE, self._between_spheres(moments)
         else:
             level = Level.MESH
-            proximity = self._narrow_phase.nearest(self.key.a, self.key.b, moments.a.pose, moments.b.pose)
-        gap = proximity.distance
-        return Measurement(t, moments, level, max(0.0, gap - self.error), gap + self.error, self.margin, proximity)
+            proximity = self._narrow_phase.nearest(self._a, self._b, moments.a.pose, moments.b.pose)
+        gap = proximity.distance - self.motion.spread(t)
+        above = inf if self.possible else gap + self.error
+        return Measurement(t, moments, level, max(0.0, gap - self.error), above, self.margin, proximity)
 
     def look_inside(self, measurement: Measurement) -> Measurement:
         """Return the measurement with containment decided; needed wherever disjoint surfaces do not prove it."""
         if measurement.touching or measurement.level is not Level.MESH:
             return measurement
         moments = measurement.moments
-        inside = self._narrow_phase.contained(self.key.a, self.key.b, moments.a.pose, moments.b.pose)
+        inside = self._narrow_phase.contained(self._a, self._b, moments.a.pose, moments.b.pose)
         return replace(measurement, inside=inside)
 
     def hold(self, measurement: Measurement) -> float:
@@ -127,7 +139,8 @@ class Pair:
         if measurement.inside is not None:
             return measurement.clearance
         moments = measurement.moments
-        return self._narrow_phase.hold(self.key.a, self.key.b, moments.a.pose, moments.b.pose) - self.error
+        depth = self._narrow_phase.hold(self._a, self._b, moments.a.pose, moments.b.pose)
+        return depth + self.motion.spread(measurement.time) - self.error
 
     def slabs(self, measurement: Measurement, duration: float, beyond: float) -> Slabs | None:
         """Return the slabs between the bodies' triangles at a measurement, None where there are too many.
@@ -141,7 +154,9 @@ class Pair:
         near = self.motion.approach(moments, duration)
         reach = self.motion.displacement(moments, near.horizon) * (1.0 + 1e-6) + beyond
         pose_a, pose_b = moments.a.pose, moments.b.pose
-        found = self._narrow_phase.triangles_within(self.key.a, self.key.b, pose_a, pose_b, reach + 2.0 * self.error)
+        spread = self.motion.spread(measurement.time)
+        within = reach + spread + 2.0 * self.error
+        found = self._narrow_phase.triangles_within(self._a, self._b, pose_a, pose_b, within)
         if found is None:
             return None
         centre = translation_of(pose_a)
@@ -151,14 +166,20 @@ class Pair:
         proximity = measurement.proximity
         assert proximity is not None
         direction = unit(subtract(proximity.witness_b, proximity.witness_a))
-        return Slabs(found, (one, other), direction, self.error, reach, near.acceleration, near.horizon, slack)
+        error = self.error + spread
+        slack += self.motion.growth_speed(measurement.time)
+        return Slabs(found, (one, other), direction, error, reach, near.acceleration, near.horizon, slack)
 
     def distance(self, measurement: Measurement) -> Distance | None:
-        """Return the measurement as it is reported, in the world's frame; None where nothing exact was measured."""
+        """Return the measurement as it is reported, in the world's frame; None where nothing exact was measured.
+
+        Where a path is unknown, the nearest points are those of the ball at the rest place, before it has grown.
+        """
         proximity = measurement.proximity
         if proximity is None:
             return None
-        a, b, gap = proximity.witness_a, proximity.witness_b, proximity.distance
+        a, b = proximity.witness_a, proximity.witness_b
+        gap = max(0.0, proximity.distance - self.motion.spread(measurement.time))
         if measurement.inside is not None:
             a = b = measurement.inside
         if measurement.touching:
@@ -177,10 +198,7 @@ class Pair:
     @cached_property
     def _round(self) -> bool:
         """Whether both bodies are single spheres, whose balls are themselves."""
-        return all(
-            len(body.shapes) == 1 and len(body.shapes[0].mesh.vertices) == 1
-            for body in (self._bodies[self.key.a], self._bodies[self.key.b])
-        )
+        return self._narrow_phase.is_ball(self._a) and self._narrow_phase.is_ball(self._b)
 
     def _between_spheres(self, moments: Moments) -> Proximity:
         """Return the exact proximity of two spheres, whose balls are themselves."""
@@ -198,29 +216,3 @@ class Pair:
             for body in lineage(self._bodies, ancestor):
                 pose = self._bodies[body].pose @ self._bodies[body].motion.pose(t) @ pose
         return pose
-
-
-def pairs_that_might_collide(scene: Scene, narrow_phase: NarrowPhase, margin: float) -> Iterator[Pair]:
-    """Yield the allowed pairs of bodies with shapes that exist together and can move relative to each other, by id.
-
-    Args:
-        scene: whose rules say which pairs are allowed.
-        narrow_phase: of its bodies.
-        margin: m, of pairs that no rule gives one of their own.
-    """
-    extents = {i: body_extent(body) for i, body in enumerate(scene.bodies) if body.shapes}
-    for a, b in all_pairs(len(scene.bodies)):
-        if a not in extents or b not in extents or not scene.rules.allow(a, b):
-            continue
-        begin, end = scene.shared_time(a, b)
-        motion = _relative_motion(scene.bodies, a, b, extents[a], extents[b])
-        if motion.rigid or begin >= end:
-            continue
-        key = PairKey(pair_id(a, b, len(scene.bodies)), a, b)
-        yield Pair(key, scene, motion, narrow_phase, scene.rules.margin(a, b, margin))
-
-
-def _relative_motion(bodies: tuple[Body, ...], a: int, b: int, extent_a: Extent, extent_b: Extent) -> RelativeMotion:
-    """Return the motion of both bodies below their lowest common ancestor."""
-    ancestor = common_ancestor(bodies, a, b)
-    return RelativeMotion(chain_to(bodies, a, ancestor, extent_a), chain_to(bodies, b, ancestor, extent_b))

@@ -9,19 +9,22 @@ from typing import NamedTuple
 from .bounds import longest_sleep, shortened, spendable, time_bound, two_sided_clearance
 from .chain import Chain, Moment
 from .events import Bound
-from .motions import Interval
+from .motions import Interval, Limits
 from .vector import norm, subtract
 
 #: The lecture's bound looks this many times as far ahead as the displacement bound sleeps: farther only loosens it.
 LOOKAHEAD = 4.0
 #: Relative to the two speeds, what their difference may lose to rounding.
 CANCELLATION = 1e-13
+#: Relative error granted to how far balls have grown.
+ROUNDING = 1e-14
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Moments:
-    """Both chains of a pair at one time."""
+    """Both chains of a pair at one time, s."""
 
+    time: float
     a: Moment
     b: Moment
 
@@ -53,21 +56,32 @@ class Proof(NamedTuple):
 
 
 class RelativeMotion:
-    """How the two bodies of a pair move relative to each other."""
+    """How the two bodies of a pair move relative to each other.
 
-    def __init__(self, a: Chain, b: Chain) -> None:
+    Where the path of a body is unknown, its chain is that of a ball at its rest place, which grows.
+
+    Attributes:
+        unknown: what limits how fast such balls grow.
+    """
+
+    def __init__(self, a: Chain, b: Chain, unknown: tuple[Limits, ...] = ()) -> None:
         """Take both chains, seen from the same ancestor."""
         self.a = a
         self.b = b
+        self.unknown = unknown
 
     @property
     def rigid(self) -> bool:
         """Whether the two can never move relative to each other, so that they are never paired."""
-        return not self.a.joints and not self.b.joints
+        return not (self.a.joints or self.b.joints or self.unknown)
 
     def at(self, t: float) -> Moments:
         """Return both chains at t."""
-        return Moments(self.a.at(t), self.b.at(t))
+        return Moments(t, self.a.at(t), self.b.at(t))
+
+    def spread(self, t: float) -> float:
+        """Return by how much (m) balls have grown at t; 0 where both paths are known."""
+        return sum(limits.reach(t) for limits in self.unknown)
 
     def stop_after(self, t: float) -> float:
         """Return the first time > t that must not be slept past: a jump, or the last float before it."""
@@ -75,15 +89,18 @@ class RelativeMotion:
 
     def rounding(self, times: Interval) -> float:
         """Return how far (m) floating point may falsify a distance at any of the times."""
-        return self.a.rounding(times) + self.b.rounding(times)
+        grown = ROUNDING * self.spread(times[1])
+        return self.a.rounding(times) + self.b.rounding(times) + grown
 
     def displacement(self, moments: Moments, duration: float) -> float:
         """Return D_A + D_B (m), non-decreasing in `duration`."""
-        return self.a.displacement(moments.a, duration) + self.b.displacement(moments.b, duration)
+        moved = self.a.displacement(moments.a, duration) + self.b.displacement(moments.b, duration)
+        return moved + self._growth(moments.time, duration)
 
     def path_length(self, moments: Moments, duration: float) -> float:
         """Return L_A + L_B (m), above the relative arc length of any two points over [t, t + duration]."""
-        return self.a.path_length(moments.a, duration) + self.b.path_length(moments.b, duration)
+        moved = self.a.path_length(moments.a, duration) + self.b.path_length(moments.b, duration)
+        return moved + self._growth(moments.time, duration)
 
     def approach(self, moments: Moments, duration: float) -> Approach:
         """Return the lecture's v and a for a sleep of up to `duration`, no farther than the next knot.
@@ -91,8 +108,8 @@ class RelativeMotion:
         v = |v_oA - v_oB| + w_A r_A + w_B r_B and a = |a_oA - a_oB| + (al_A + w_A^2) r_A + (al_B + w_B^2) r_B,
         each body's radius about its own frame origin o; v holds at the start, a is the supremum until the horizon.
         """
-        t = moments.a.time if self.a.joints else moments.b.time
-        knot = min(self.a.knot_after(t), self.b.knot_after(t))
+        t = moments.time
+        knot = min(self.a.knot_after(t), self.b.knot_after(t), *(limits.knot_after(t) for limits in self.unknown))
         horizon = duration if knot - t > duration else min(duration, shortened(t, knot - t))
         (_, v_a, w_a), (_, v_b, w_b) = self.a.twist(moments.a), self.b.twist(moments.b)
         speed = norm(subtract(v_a, v_b)) + norm(w_a) * self.a.radius + norm(w_b) * self.b.radius
@@ -103,7 +120,16 @@ class RelativeMotion:
             acceleration += (rates.angular_acceleration + rates.angular_speed**2) * radius
         speed += CANCELLATION * (norm(v_a) + norm(v_b))
         acceleration += CANCELLATION * (norm(rates_a.steady) + norm(rates_b.steady))
+        speed += self.growth_speed(t)
+        acceleration += sum(limits.acceleration_after(t) for limits in self.unknown)
         return Approach(speed, acceleration, horizon)
+
+    def growth_speed(self, t: float) -> float:
+        """Return how fast (m/s) balls grow at t, or just after."""
+        return sum(limits.speed_at(t) for limits in self.unknown)
+
+    def _growth(self, t: float, duration: float) -> float:
+        return self.spread(t + duration) - self.spread(t) if self.unknown else 0.0
 
     def sleep(self, moments: Moments, now: float, clearance: float, horizon: float) -> tuple[float, Bound]:
         """Return the longest sleep (s, <= horizon) that the sound bounds allow, and the name of the bound that set it.

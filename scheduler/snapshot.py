@@ -9,7 +9,7 @@ import numpy as np
 
 from .chain import parents_first
 from .events import Collision, Event, Nearness, Phase, Snapshot, Verdict, Wakeup
-from .narrow_phase import body_extent
+from .extent import body_extent
 from .pair import Pair
 from .rotation import FloatArray, mapped
 from .scene import Body, Scene
@@ -33,6 +33,7 @@ class Observer:
         self._radii = radii[self._first] + radii[self._second]
         self._starts = np.array([pair.start for pair in pairs])
         self._ends = np.array([pair.end for pair in pairs])
+        self._possible = np.array([pair.possible for pair in pairs], dtype=bool)
 
     def at(self, time: float, touching: frozenset[int], occasion: Collision | None = None) -> Snapshot:
         """Return the snapshot at `time` (s), while the pairs with ids in `touching` are in contact."""
@@ -44,6 +45,7 @@ class Observer:
         """Measure pairs in order of their bounding balls' gap until no other can be among the nearest."""
         centres = np.array([mapped(pose, centre) for pose, centre in zip(poses, self._centres, strict=True)])
         gaps = np.linalg.norm(centres[self._first] - centres[self._second], axis=1) - self._radii
+        gaps[self._possible] = -inf  # the ball that stands for an unknown place may be nearer than the body drawn
         gaps[(time < self._starts) | (time > self._ends)] = inf
         found: list[Nearness] = []
         for index in np.argsort(gaps, kind="stable"):
@@ -114,6 +116,9 @@ def _nearness(pair: Pair, time: float, touching: bool) -> Nearness:
     """Measure a pair exactly; one known to be in contact reads 0 even where its surfaces are apart."""
     told = pair.distance(pair.measure_exactly(time))
     assert told is not None
+    if pair.possible:
+        verdict = Verdict.POSSIBLE if told.distance <= pair.margin else Verdict.CLEAR
+        return Nearness(pair.key, told.distance, verdict, told.witness_a, told.witness_b)
     if touching or told.distance == 0.0:
         return Nearness(pair.key, 0.0, Verdict.CONTACT, told.witness_a, told.witness_b)
     verdict = Verdict.BREACH if told.distance < pair.margin else Verdict.CLEAR

@@ -64,6 +64,8 @@ class Watch:
         if known is None:
             measurement = self.pair.look_inside(measurement)
             self._stand_at(measurement)
+            if self.pair.at_start is not None:
+                yield from self._touch_at_start(self.pair.at_start)
             if measurement.touching:
                 yield from self._change(measurement, measurement)
         else:
@@ -74,7 +76,7 @@ class Watch:
                 yield from self._extend(known, measurement, verdict, clearance, depth_limit)
                 self._stand_at(measurement)
         self.clearance = 0.0 if measurement.touching else measurement.clearance
-        if (distance := self.pair.distance(measurement)) is not None:
+        if not self.pair.possible and (distance := self.pair.distance(measurement)) is not None:
             yield distance
         yield from self._close_bracket()
 
@@ -214,8 +216,10 @@ class Watch:
     def _extend(
         self, known: Measurement, until: Measurement, verdict: Verdict, clearance: float, depth_limit: float
     ) -> Iterator[Event]:
-        """Tell what is decided between two measurements."""
+        """Tell what is decided between two measurements; of what may be, only that it cannot be is certain."""
         nearest = min(known.above, until.above)
+        if self.pair.possible and verdict is not Verdict.CLEAR:
+            verdict, depth_limit = Verdict.POSSIBLE, nan
         yield from self._spans.extend(until.time, verdict, clearance, depth_limit, nearest)
 
     def _tolerance(self, known: Measurement, other: Measurement) -> float:
@@ -229,18 +233,34 @@ class Watch:
         touching, clear = (after, before) if begins else (before, after)
         # A contact's span runs from the clear side of its begin to the clear side of its end.
         yield from self._extend(before, after, Verdict.CONTACT, 0.0, nan)
-        distance = self.pair.distance(touching)
-        assert distance is not None
-        yield Collision(
-            self.pair.key,
-            Phase.BEGIN if begins else Phase.END,
-            clear.time,
-            touching.time,
-            ContactKind.SURFACE if touching.inside is None else ContactKind.CONTAINED,
-            distance.feature_a,
-            distance.feature_b,
-            distance.witness_a,
-        )
+        if not self.pair.possible:
+            yield _collision(self.pair, Phase.BEGIN if begins else Phase.END, clear.time, touching)
+
+    def _touch_at_start(self, pair: Pair) -> Iterator[Event]:
+        """Tell whether bodies of unknown path touch while their places are still known, which is at one instant."""
+        first = pair.look_inside(pair.measure(pair.start))
+        if not first.touching:
+            return
+        instant = nextafter(pair.start, inf)
+        yield _collision(pair, Phase.BEGIN, pair.start, first)
+        yield from self._spans.extend(instant, Verdict.CONTACT, 0.0, nan, 0.0)
+        yield _collision(pair, Phase.END, instant, first)
+
+
+def _collision(pair: Pair, phase: Phase, clear: float, touching: Measurement) -> Collision:
+    """Return the end of a contact between `clear` (s) and a measurement that touches."""
+    distance = pair.distance(touching)
+    assert distance is not None
+    return Collision(
+        pair.key,
+        phase,
+        clear,
+        touching.time,
+        ContactKind.SURFACE if touching.inside is None else ContactKind.CONTAINED,
+        distance.feature_a,
+        distance.feature_b,
+        distance.witness_a,
+    )
 
 
 def _leaves(known: Measurement, other: Measurement) -> bool:

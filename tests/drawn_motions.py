@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from closecall.scheduler.chain import Ball, Chain, Extent, Joint
+from closecall.scheduler.chain import Chain, Joint
+from closecall.scheduler.extent import Ball, Extent
 from closecall.scheduler.motions import (
     Ballistic,
     Constant,

@@ -11,7 +11,7 @@ import pytest
 from closecall.scheduler.events import Collision, Phase, Reason, Span, Verdict, Wakeup
 from closecall.scheduler.motions import Constant, Fixed, Harmonic
 from closecall.scheduler.narrow_phase import NarrowPhase
-from closecall.scheduler.pair import pairs_that_might_collide
+from closecall.scheduler.pairing import pairs_that_might_collide
 from closecall.scheduler.run import run
 from closecall.scheduler.scene import ALWAYS, Body, Mesh, PairRules, PairSet, Scene, Settings, Shape
 

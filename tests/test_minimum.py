@@ -10,7 +10,7 @@ import pytest
 from closecall.scheduler.events import Distance, Reason, Span, Verdict, Wakeup
 from closecall.scheduler.motions import Constant, Fixed, Harmonic, Keyframes, Translation
 from closecall.scheduler.narrow_phase import NarrowPhase
-from closecall.scheduler.pair import pairs_that_might_collide
+from closecall.scheduler.pairing import pairs_that_might_collide
 from closecall.scheduler.run import run
 from closecall.scheduler.scene import Body, Mesh, PairRules, Scene, Settings, Shape
 

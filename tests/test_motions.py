@@ -16,7 +16,8 @@ from drawn_motions import (
 )
 from scipy.spatial.transform import Rotation
 
-from closecall.scheduler.chain import Ball, Extent, chain_to, origin_reach
+from closecall.scheduler.chain import chain_to, origin_reach
+from closecall.scheduler.extent import Ball, Extent
 from closecall.scheduler.motions import (
     Ballistic,
     Constant,

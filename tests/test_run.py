@@ -9,7 +9,7 @@ import pytest
 from closecall.scheduler.events import Collision, ContactKind, Phase, Reason, Span, Verdict, Wakeup
 from closecall.scheduler.motions import Ballistic, Constant, Fixed, Harmonic, Keyframes, Screw, Swing, Translation
 from closecall.scheduler.narrow_phase import NarrowPhase
-from closecall.scheduler.pair import pairs_that_might_collide
+from closecall.scheduler.pairing import pairs_that_might_collide
 from closecall.scheduler.run import run
 from closecall.scheduler.scene import Body, Mesh, PairRules, PairSet, Scene, Settings, Shape, pair_id
 

@@ -15,7 +15,7 @@ from closecall.formats.log.writer import LogOptions, LogWriter
 from closecall.formats.scene.reader import read_scene
 from closecall.scheduler.events import Snapshot
 from closecall.scheduler.narrow_phase import NarrowPhase
-from closecall.scheduler.pair import pairs_that_might_collide
+from closecall.scheduler.pairing import pairs_that_might_collide
 from closecall.scheduler.run import run
 from closecall.scheduler.snapshot import Observer, observed
 

@@ -59,6 +59,7 @@ class PairSummary(TypedDict):
     contacts: list[Contact]
     breaches: list[list[float]]
     unresolved: list[list[float]]
+    possible: list[list[float]]
     wakeups: int
     queries: dict[str, int]
 
@@ -162,6 +163,7 @@ class SummaryBuilder:
         self._brackets: defaultdict[int, _Brackets] = defaultdict(_Brackets)
         self._breaches: defaultdict[int, list[tuple[float, float]]] = defaultdict(list)
         self._unresolved: defaultdict[int, list[tuple[float, float]]] = defaultdict(list)
+        self._possible: defaultdict[int, list[tuple[float, float]]] = defaultdict(list)
 
     def add(self, event: Event) -> None:
         """Fold one more event, in any order; snapshots, which prove nothing, are passed over."""
@@ -185,6 +187,8 @@ class SummaryBuilder:
                     self._unresolved[pair.id].append((event.start, event.end))
                 elif event.verdict is Verdict.BREACH:
                     self._breaches[pair.id].append((event.start, event.end))
+                elif event.verdict is Verdict.POSSIBLE:
+                    self._possible[pair.id].append((event.start, event.end))
 
     def summary(self) -> Summary:
         """Return the summary of the events so far, its pairs by `pair_id`."""
@@ -212,6 +216,7 @@ class SummaryBuilder:
             "contacts": self._contacts(key),
             "breaches": [list(span) for span in sorted(self._breaches.get(key.id, ()))],
             "unresolved": [list(span) for span in sorted(self._unresolved.get(key.id, ()))],
+            "possible": [list(span) for span in sorted(self._possible.get(key.id, ()))],
             "wakeups": sum(findings.queries),
             "queries": {level.name.lower(): count for level, count in zip(LEVELS, findings.queries, strict=True)},
         }

@@ -11,6 +11,7 @@ from ...scheduler.motions import (
     Fixed,
     Harmonic,
     Interval,
+    Limits,
     Motion,
     Orbit,
     Polynomial,
@@ -20,7 +21,7 @@ from ...scheduler.motions import (
 )
 from ...scheduler.scene import least_duration
 from .document import Findings
-from .errors import Where
+from .errors import Where, quoted
 from .folder import Folder
 from .grammar.motions import (
     BallisticMotion,
@@ -28,6 +29,7 @@ from .grammar.motions import (
     FileMotion,
     HarmonicMotion,
     KeyframesMotion,
+    LimitsMotion,
     MotionChoice,
     OrbitMotion,
     PolynomialMotion,
@@ -96,6 +98,8 @@ class MotionReader:
                 return self.paths.trajectory(part, body, needed)
             case ProfileMotion():
                 return self._profile(part, where)
+            case LimitsMotion():
+                return self._limits(part, where)
             case _:
                 motion = self._smooth(part, where)
                 return motion if part.t0 == 0.0 else Delayed(motion, part.t0)
@@ -156,6 +160,19 @@ class MotionReader:
             scaled(part.max_acceleration),
             part.t0,
         )
+
+    def _limits(self, part: LimitsMotion, where: Where) -> Motion:
+        if part.max_speed is None and part.max_acceleration is None:
+            problem = "nothing limits how far it gets, expected max_speed or max_acceleration"
+            self._findings.fault(where, problem)
+            return Fixed()
+        speed = math.hypot(*part.velocity)
+        fastest = math.inf if part.max_speed is None else part.max_speed
+        if speed > fastest:
+            problem = f"expected a speed up to max_speed, {quoted(fastest)}, got {quoted(speed)}"
+            self._findings.fault((*where, "velocity"), problem)
+        acceleration = math.inf if part.max_acceleration is None else part.max_acceleration
+        return Limits(part.t0, *map(self._scale.length, (speed, fastest, acceleration)))
 
     def _unit(self, vector: Vector, where: Where) -> Vector:
         return unit_vector(vector, where, self._findings)

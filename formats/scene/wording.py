@@ -14,7 +14,7 @@ from pydantic_core import ErrorDetails
 from .document import Document, Findings
 from .errors import Where, quoted, suggestion
 from .grammar.base import Part
-from .grammar.motions import LATER_MOTIONS, MOTIONS
+from .grammar.motions import MOTIONS
 from .grammar.scene import SceneFile
 from .grammar.shapes import SHAPES
 
@@ -124,8 +124,6 @@ def _wrong_motion(where: Where, got: dict[str, Any]) -> tuple[Where, str, Where 
     if "type" not in got:
         return where, f"missing key 'type', expected one of {_one_of(MOTIONS)}", where
     name = got["type"]
-    if isinstance(name, str) and name in LATER_MOTIONS:
-        return (*where, "type"), f"{quoted(name)} motions are {LATER}", None
     near = suggestion(name, MOTIONS)
     return (*where, "type"), f"unknown motion {quoted(name)}{near}, expected {_one_of(MOTIONS)}", None
 

@@ -5,6 +5,7 @@ from .base import Axis, Fixed, Interval, Motion, Rates, Reach, Smooth
 from .delayed import Delayed
 from .hermite import Translation
 from .keyframes import Keyframes
+from .limits import Limits
 from .looped import Looped
 from .orbit import Orbit
 from .oscillation import Harmonic, Swing
@@ -21,6 +22,7 @@ __all__ = [
     "Harmonic",
     "Interval",
     "Keyframes",
+    "Limits",
     "Looped",
     "Motion",
     "Orbit",

@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Discriminator, Field, Tag
 
-from .base import ORIGIN, LengthUnit, Number, Part, Size, Vector
+from .base import ORIGIN, LengthUnit, Margin, Number, Part, Size, Vector
 from .poses import Pose
 
 
@@ -153,11 +153,27 @@ class FileMotion(PathMotion):
     max_gap: Size | None = Field(default=None, description="Seconds: longer gaps between two poses are refused.")
 
 
+class LimitsMotion(MotionPart):
+    """A path that is unknown but for its limits, from the rest pose, where it stands until t = 0."""
+
+    type: Literal["limits"]
+    velocity: Vector = Field(default=ORIGIN, description="At t = 0, length unit per second; its size alone counts.")
+    max_speed: Size | None = Field(
+        default=None,
+        description="Of the frame's origin, length unit per second. Default: unlimited, if the next is not.",
+    )
+    max_acceleration: Margin | None = Field(
+        default=None, description="Of the frame's origin, length unit per second squared. Default: unlimited."
+    )
+    max_angular_speed: Margin | None = Field(
+        default=None, description="Angle unit per second. For the record: the body is taken to be turned in any way."
+    )
+
+
 MOTIONS = (
     *("constant", "ballistic", "screw", "orbit", "harmonic", "swing"),
-    *("polynomial", "profile", "keyframes", "file"),
+    *("polynomial", "profile", "keyframes", "file", "limits"),
 )
-LATER_MOTIONS = frozenset({"limits"})
 
 
 def _motion_tag(value: Any) -> str | None:
@@ -175,6 +191,7 @@ MotionChoice = Annotated[
     | Annotated[PolynomialMotion, Tag("polynomial")]
     | Annotated[ProfileMotion, Tag("profile")]
     | Annotated[KeyframesMotion, Tag("keyframes")]
-    | Annotated[FileMotion, Tag("file")],
+    | Annotated[FileMotion, Tag("file")]
+    | Annotated[LimitsMotion, Tag("limits")],
     Discriminator(_motion_tag),
 ]
