@@ -83,7 +83,7 @@ def _distance(pair: PairSummary) -> str:
     """Return what is known of the pair's least distance."""
     lower, upper, time = pair["distance"]["lower"], pair["distance"]["upper"], pair["distance"]["time"]
     if upper is None:
-        return f"above {lower:.4g} m"
+        return f"above {lower:.4g} m" if lower > 0.0 else "unknown"
     if upper == 0.0:
         return "0"
     return f"{lower:.4g} .. {upper:.6g} m at {time:.6g} s"
@@ -93,16 +93,21 @@ def _contacts(pair: PairSummary) -> str:
     """Return the first contact's begin and end with the keys it lies between, and how many there are."""
     contacts = pair["contacts"]
     if not contacts:
-        kind, spans = next(
-            ((kind, spans) for kind in ("breaches", "unresolved", "possible") if (spans := pair.get(kind))), ("", [])
-        )
-        told = ", ".join(f"{a:.6g}..{b:.6g} s" for a, b in spans[:2])
-        return f"{'breach' if kind == 'breaches' else kind} {told}" if spans else ""
+        return _spans(pair)
     first = contacts[0]
-    end = "the end" if first["end"] is None else f"{first['end'][0]:.7g}"
+    end = "the end" if first["end"] is None else f"{first['end'][0]:.7g} s"
     keys = "".join(f", {body} {_between(*around)}" for body, around in first["keys"].items())
     more = f" and {len(contacts) - 1} more" if len(contacts) > 1 else ""
-    return f"{first['begin'][1]:.7g} .. {end} s{keys}{more}"
+    return f"{first['begin'][1]:.7g} .. {end}{keys}{more}"
+
+
+def _spans(pair: PairSummary) -> str:
+    """Return when a pair that never touches is not clear, or is not known to be; of the worst such kind."""
+    kinds = {"breach": pair.get("breaches"), "unresolved": pair.get("unresolved"), "possible": pair.get("possible")}
+    for kind, spans in kinds.items():
+        if spans:
+            return f"{kind} " + ", ".join(f"{a:.6g}..{b:.6g} s" for a, b in spans[:2])
+    return ""
 
 
 def _between(before: str, after: str) -> str:

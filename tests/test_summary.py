@@ -93,6 +93,7 @@ def test_summary_has_the_contracts_keys_in_its_order():
             "contacts": [],
             "breaches": [],
             "unresolved": [],
+            "possible": [],
             "wakeups": 0,
             "queries": {"sphere": 0, "hull": 0, "mesh": 0},
         }
