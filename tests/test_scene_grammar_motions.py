@@ -45,7 +45,6 @@ def test_every_motion_is_accepted_with_each_of_its_keys(tmp_path: Path, motion: 
         ("{}", "6:5: bodies.a.motion: ", "missing key 'type', expected one of constant, ballistic, screw, orbit"),
         ("{type: 5}", "6:20: bodies.a.motion.type: ", "unknown motion 5, expected constant"),
         ("{type: [a]}", "6:20: bodies.a.motion.type: ", "unknown motion a list"),
-        ("{type: limits}", "6:20: bodies.a.motion.type: ", "'limits' motions are not supported by this version"),
         ("{type: Orbit}", "6:20: bodies.a.motion.type: ", "unknown motion 'Orbit' (did you mean 'orbit'?)"),
         ("{type: balistic}", "6:20: bodies.a.motion.type: ", "(did you mean 'ballistic'?)"),
         ("{type: keyframe}", "6:20: bodies.a.motion.type: ", "(did you mean 'keyframes'?)"),

@@ -163,10 +163,11 @@ class LimitsMotion(MotionPart):
         description="Of the frame's origin, length unit per second. Default: unlimited, if the next is not.",
     )
     max_acceleration: Margin | None = Field(
-        default=None, description="Of the frame's origin, length unit per second squared. Default: unlimited."
+        default=None,
+        description="Of the frame's origin, length unit per second squared. Default: none.",
     )
     max_angular_speed: Margin | None = Field(
-        default=None, description="Angle unit per second. For the record: the body is taken to be turned in any way."
+        default=None, description="Angle unit per second, for the record: any attitude is allowed for. Default: none."
     )
 
 
