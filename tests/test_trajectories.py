@@ -344,7 +344,7 @@ def test_wide_turns_between_poses_are_told() -> None:
         "turns by more than 150 degrees between successive poses 2 times, first between lines 2 and 3 (151"
     )
     ambiguous, wide = tum(turned_by(0, 180, 20)).warnings
-    assert "half a turn between successive poses 1 times, first between lines 1 and 2 (180.0 degrees)" in ambiguous
+    assert "half a turn between successive poses 1 time, first between lines 1 and 2 (180.0 degrees)" in ambiguous
     assert "first between lines 2 and 3 (160.0 degrees)" in wide
     assert tum("0 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 -1\n").warnings == ()
 

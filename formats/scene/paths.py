@@ -12,6 +12,7 @@ import numpy as np
 
 from ...scheduler.motions import Fixed, Interval, Keyframes, Looped, Motion, Translation
 from ...scheduler.scene import FloatArray
+from .arrays import read_only
 from .document import Findings
 from .errors import Where, printable, quoted
 from .folder import Folder, FolderError
@@ -19,7 +20,7 @@ from .grammar.motions import FileMotion, Key, KeyframesMotion, PathMotion
 from .limits import AMBIGUOUS_TURN, WIDE_TURN
 from .loaded import InputFile, KeyNames
 from .names import name_problem, normal
-from .poses import placement
+from .poses import placement, successive_turns
 from .trajectories import LARGEST_TRAJECTORY, Trajectory, TrajectoryError, read_trajectory
 from .units import Scale, metres_of
 
@@ -201,12 +202,12 @@ def _path(
     velocities: FloatArray | None,
 ) -> Motion:
     keys = Keyframes(
-        times=_read_only(times),
-        translations=_read_only(translations),
-        quaternions=_read_only(quaternions),
+        times=read_only(times),
+        translations=read_only(translations),
+        quaternions=read_only(quaternions),
         translation=_TRANSLATIONS[part.interpolation.translation],
         step_rotation=part.interpolation.rotation == "step",
-        key_velocities=None if velocities is None else _read_only(velocities),
+        key_velocities=None if velocities is None else read_only(velocities),
     )
     before, after = part.before == "loop", part.after == "loop"
     return Looped(keys, before, after) if before or after else keys
@@ -223,17 +224,10 @@ def _check_order(keys: tuple[Key, ...], where: Where, findings: Findings) -> Non
 
 def _warn_of_wide_turns(quaternions: FloatArray, where: Where, findings: Findings) -> None:
     """Warn where slerp's way between two keys may not be the one that was meant."""
-    one, other = quaternions[:-1], quaternions[1:]
-    near, far = np.linalg.norm(other - one, axis=1), np.linalg.norm(other + one, axis=1)
-    angles = 4.0 * np.arctan2(np.minimum(near, far), np.maximum(near, far))
+    angles = successive_turns(quaternions)
     for i in np.flatnonzero(angles > math.radians(WIDE_TURN)):
         between = f"keys {i} and {i + 1} are {math.degrees(angles[i]):.1f} degrees apart"
         if angles[i] > math.pi - AMBIGUOUS_TURN:
             findings.warn((*where, int(i) + 1), f"{between}: which way round is ambiguous, add a key between")
         else:
             findings.warn((*where, int(i) + 1), f"{between}: the shorter way is taken, is a key missing?")
-
-
-def _read_only(array: FloatArray) -> FloatArray:
-    array.flags.writeable = False
-    return array

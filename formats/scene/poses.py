@@ -9,6 +9,7 @@ import numpy as np
 
 from ...scheduler.rotation import rotation_of_quaternion
 from ...scheduler.scene import FloatArray
+from .arrays import read_only
 from .document import Findings
 from .errors import Where, quoted
 from .grammar.poses import Pose
@@ -33,8 +34,7 @@ class Placement:
         pose = np.eye(4)
         pose[:3, :3] = rotation_of_quaternion(*self.quaternion)
         pose[:3, 3] = self.translation
-        pose.flags.writeable = False
-        return pose
+        return read_only(pose)
 
 
 def placement(pose: Pose, where: Where, scale: Scale, findings: Findings) -> Placement:
@@ -146,3 +146,11 @@ def _from_rotation(rotation: FloatArray) -> Quaternion:
     w, x, y, z = rows[row]
     length = math.hypot(w, x, y, z)
     return w / length, x / length, y / length, z / length
+
+
+def successive_turns(quaternions: FloatArray) -> FloatArray:
+    """Return the angles (n - 1,) in rad, 0 to pi, from each of n unit quaternions (n, 4) to the next."""
+    one, other = quaternions[:-1], quaternions[1:]
+    near, far = np.linalg.norm(other - one, axis=1), np.linalg.norm(other + one, axis=1)
+    angles: FloatArray = 4.0 * np.arctan2(np.minimum(near, far), np.maximum(near, far))
+    return angles

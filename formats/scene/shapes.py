@@ -7,6 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from ...scheduler.scene import FloatArray, IntArray, Mesh
+from .arrays import read_only
 
 # Corners as bits of their index: x = 1, y = 2, z = 4. Every face is two triangles, outward by the right hand.
 _BOX_TRIANGLES = (
@@ -46,9 +47,7 @@ def scaled_mesh(mesh: Mesh, scale: tuple[float, float, float]) -> Mesh:
     """
     if scale == (1.0, 1.0, 1.0):
         return mesh
-    vertices = mesh.vertices * scale
-    vertices.flags.writeable = False
-    return Mesh(mesh.name, vertices, mesh.triangles, mesh.solid)
+    return Mesh(mesh.name, read_only(mesh.vertices * scale), mesh.triangles, mesh.solid)
 
 
 def frozen_mesh(
@@ -57,6 +56,4 @@ def frozen_mesh(
     """Return a Mesh over read-only, contiguous copies: vertices (n, 3) float64 m, triangles (m, 3) int64."""
     points = np.array(vertices, dtype=np.float64, order="C")
     corners = np.array(triangles, dtype=np.int64, order="C")
-    points.flags.writeable = False
-    corners.flags.writeable = False
-    return Mesh(name, points, corners, solid)
+    return Mesh(name, read_only(points), read_only(corners), solid)

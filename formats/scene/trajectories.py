@@ -10,8 +10,10 @@ from decimal import Context, Decimal
 import numpy as np
 
 from ...scheduler.scene import FloatArray, IntArray
+from .arrays import read_only
 from .errors import counted, quoted
 from .limits import AMBIGUOUS_TURN, LARGEST_DOCUMENT, QUATERNION_TOLERANCE, WIDE_TURN
+from .poses import successive_turns
 from .trajectory_csv import read_csv
 from .trajectory_table import Faults, Layout, Row, Table, TrajectoryError, read_table, text_lines
 
@@ -61,7 +63,7 @@ class Trajectory:
         first = self.exact_times[0]
         exact_times = tuple(_EXACT.subtract(time, first) for time in self.exact_times)
         times: FloatArray = np.fromiter(map(float, exact_times), np.float64, len(exact_times))
-        return replace(self, times=_read_only(times), exact_times=exact_times)
+        return replace(self, times=read_only(times), exact_times=exact_times)
 
 
 def read_trajectory(
@@ -95,10 +97,10 @@ def read_trajectory(
     quaternions, unit_errors = _quaternions(table, rotation, radians_per_unit, faults)
     faults.raise_any()
     return Trajectory(
-        times=_read_only(table.numbers[:, 0].copy()),
-        translations=_read_only(table.numbers[:, 1:4].copy()),
-        quaternions=_read_only(quaternions),
-        lines=_read_only_lines(table.lines),
+        times=read_only(table.numbers[:, 0].copy()),
+        translations=read_only(table.numbers[:, 1:4].copy()),
+        quaternions=read_only(quaternions),
+        lines=read_only(table.lines),
         exact_times=table.exact_times,
         warnings=(*warnings, *_of_units(unit_errors, table.lines), *_of_turns(quaternions, table.lines)),
     )
@@ -196,9 +198,7 @@ def _of_units(errors: FloatArray, lines: IntArray) -> tuple[str, ...]:
 
 def _of_turns(quaternions: FloatArray, lines: IntArray) -> tuple[str, ...]:
     """Return the warnings where slerp's way between two poses may not be the one that was meant."""
-    one, other = quaternions[:-1], quaternions[1:]
-    near, far = np.linalg.norm(other - one, axis=1), np.linalg.norm(other + one, axis=1)
-    angles = 4.0 * np.arctan2(np.minimum(near, far), np.maximum(near, far))
+    angles = successive_turns(quaternions)
     ambiguous = angles > math.pi - AMBIGUOUS_TURN
     wide = (angles > math.radians(WIDE_TURN)) & ~ambiguous
     warnings = []
@@ -213,13 +213,3 @@ def _of_turns(quaternions: FloatArray, lines: IntArray) -> tuple[str, ...]:
             times = f"turns by {amount} between successive poses {counted(len(indices), 'time')}"
             warnings.append(f"{times}, first between {where}: {remark}")
     return tuple(warnings)
-
-
-def _read_only(array: FloatArray) -> FloatArray:
-    array.flags.writeable = False
-    return array
-
-
-def _read_only_lines(array: IntArray) -> IntArray:
-    array.flags.writeable = False
-    return array
