@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Container, Sequence
-from math import degrees, isfinite
+from math import degrees, inf, isfinite
 from typing import Any
 
 import click
@@ -112,7 +112,7 @@ def _in_yaml(name: str) -> str:
 
 def _body(scene: Scene, body: Body, files: Container[str]) -> dict[str, Any]:
     """Return what is told of a body; those whose names are in `files` move along a trajectory file."""
-    speeds = _top_speeds(scene, body) or (None, None)
+    speeds = [speed if isfinite(speed) else None for speed in _top_speeds(scene, body)]
     triangles = sum(len(shape.mesh.triangles) for shape in body.shapes if shape.radius == 0.0)
     return {
         "name": body.name,
@@ -136,10 +136,10 @@ def _motion_name(body: Body) -> str:
     return "keyframes" if isinstance(motion, Looped) else type(motion).__name__.lower()
 
 
-def _top_speeds(scene: Scene, body: Body) -> tuple[float, float] | None:
+def _top_speeds(scene: Scene, body: Body) -> tuple[float, float]:
     """Return upper bounds on the speed (m/s) of a body's origin and on its turning (rad/s), both in its parent.
 
-    None for a motion with too many knots, or without such a bound. Jumps have no speed.
+    inf where there is no such bound, both for a motion with too many knots. Jumps have no speed.
     """
     time, end = max(scene.start, body.exists[0]), min(scene.end, body.exists[1])
     speed = turning = 0.0
@@ -148,8 +148,8 @@ def _top_speeds(scene: Scene, body: Body) -> tuple[float, float] | None:
         rates = body.motion.rates(time, knot - time)
         speed, turning, time = max(speed, rates.speed), max(turning, rates.angular_speed), knot
         if time >= end:
-            return (speed, turning) if isfinite(speed + turning) else None
-    return None
+            return speed, turning
+    return inf, inf
 
 
 def _size(body: Body) -> list[float] | None:

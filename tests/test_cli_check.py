@@ -193,6 +193,7 @@ bodies:
             0.0,
         ),
         ("{type: keyframes, keys: [{t: 0}, {t: 0.5, xyz: [3, 0, 4], rpy: [90, 0, 0]}, {t: 2}]}", 0.01, 180.0),
+        ("{type: limits, max_speed: 1600}", 1.6, None),
         ("{type: keyframes, after: loop, keys: [{t: 0}, {t: 1e-5, xyz: [1, 0, 0]}]}", None, None),
     ],
 )  # fmt: skip
