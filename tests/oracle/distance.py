@@ -47,8 +47,9 @@ class PairDistance:
     def signed(self, poses: FloatArray) -> FloatArray:
         """Return (n,) m: signed distances of the bodies, solids included, at poses (n, 4, 4)."""
         contained = self.contained(poses)
-        out = self.lower_bounds(poses)
-        exact = ~contained | (out <= SURE)
+        out = np.zeros(len(poses))
+        out[contained] = self.lower_bounds(poses[contained])
+        exact = out <= SURE
         out[exact] = self._in_steps(poses[exact], whole=True)
         out = np.where(contained & (out > 0.0), -out, out)
         return out if self.elements is None else self._deepened(out, poses, contained)
@@ -214,8 +215,10 @@ class Cover:
 
 def box_gap(points: FloatArray, lows: FloatArray, highs: FloatArray) -> FloatArray:
     """Return (...) m: distances of points (..., 3) to axis-aligned boxes."""
-    out = np.maximum(np.maximum(lows - points, points - highs), 0.0)
-    return np.sqrt(np.einsum("...k,...k->...", out, out))
+    squares: FloatArray = np.zeros(())
+    for low, high, at in zip(*(np.moveaxis(one, -1, 0) for one in (lows, highs, points)), strict=True):
+        squares = squares + np.maximum(np.maximum(low - at, at - high), 0.0) ** 2
+    return np.sqrt(squares)
 
 
 def sphere_centres(triangles: FloatArray) -> FloatArray:

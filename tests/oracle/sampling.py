@@ -20,6 +20,7 @@ class Effort:
 
     Attributes:
         uniform, scattered: instants of each pair, evenly spaced and at random.
+        ends, knots: ends of spans and keys of motions that are tried on both sides, chosen at random if there are more.
         minima: local minima of a pair that are searched further.
         messages: messages of one topic and pair that are held against the truth.
         seed: of the random instants.
@@ -27,6 +28,8 @@ class Effort:
 
     uniform: int = 500
     scattered: int = 125
+    ends: int = 400
+    knots: int = 100
     minima: int = 8
     messages: int = 60
     seed: int = 0
@@ -80,11 +83,11 @@ def instants(truth: Truth, pair: Pair, spans: Sequence[Values], effort: Effort) 
     start, end = truth.interval(*pair)
     rng = np.random.default_rng([effort.seed, truth.pair_id(*pair)])
     ends = np.array([[span["start"], span["end"]] for span in spans]).reshape(-1)
-    if len(ends) > 400:
-        ends = rng.choice(ends, 400, replace=False)
+    if len(ends) > effort.ends:
+        ends = rng.choice(ends, effort.ends, replace=False)
     knots = truth.kinematics.knots(*pair, start=start, end=end)
-    if len(knots) > 100:
-        knots = rng.choice(knots, 100, replace=False)
+    if len(knots) > effort.knots:
+        knots = rng.choice(knots, effort.knots, replace=False)
     exact = knots[knots / TICK == np.round(knots / TICK)]
     exact = np.concatenate([np.nextafter(exact, -np.inf), exact])
     around = (np.concatenate([ends, knots])[:, None] + np.concatenate([-OFFSETS, OFFSETS])).reshape(-1)
