@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
+import runpy
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 from click.testing import CliRunner
 from scene_files import HEAD, MOTION, load
 
@@ -17,6 +20,7 @@ from closecall.formats.scene.schema import schema, schema_text
 from closecall.formats.scene.source import read_document
 
 SAMPLES = Path(__file__).parents[1] / "sample_scenes"
+DOCS = SAMPLES.parent / "docs"
 SCENES = sorted(SAMPLES.glob("*/scene.yaml"))
 FIRST_LINE = "# yaml-language-server: $schema=../closecall.schema.json\n"
 
@@ -63,10 +67,12 @@ def test_it_is_a_schema() -> None:
 
 
 @pytest.mark.parametrize("path", SCENES, ids=[path.parent.name for path in SCENES])
-def test_every_sample_is_valid_and_tells_editors_where_the_schema_is(path: Path) -> None:
+def test_every_sample_is_valid_by_the_schema_that_its_first_line_shows_to_editors(path: Path) -> None:
+    jsonschema = pytest.importorskip("jsonschema")
     text = path.read_text(encoding="utf-8")
-    assert problems(text) == []
     assert text.startswith(FIRST_LINE)
+    shown = json.loads((path.parent / FIRST_LINE.partition("$schema=")[2].strip()).read_text(encoding="utf-8"))
+    jsonschema.Draft202012Validator(shown).validate(yaml.safe_load(text))
 
 
 def test_a_sample_as_json_names_the_schema_as_a_key() -> None:
@@ -75,16 +81,42 @@ def test_a_sample_as_json_names_the_schema_as_a_key() -> None:
 
 def test_every_key_says_what_it_is_for() -> None:
     for title, definition in definitions().items():
+        assert definition["description"], title
         for key, field in definition["properties"].items():
-            assert key == "type" or field.get("description"), (title, key)
+            assert field.get("description", "").partition("Default: ")[0], (title, key)
 
 
 def test_every_key_that_may_be_left_out_says_its_default() -> None:
-    no_default = {"$schema", "name", "reason", "velocity", "max_gap", *("quat_wxyz", "quat_xyzw", "rpy"), "matrix"}
     for title, definition in definitions().items():
         for key, field in definition["properties"].items():
-            if key not in definition.get("required", ()) and key not in no_default and key != "axis_angle":
+            if key not in definition.get("required", ()):
                 assert "default" in field or "Default: " in field["description"], (title, key)
+
+
+UNITS = re.compile(
+    "length unit|angle unit|that unit|same unit|[Ss]econds|[Dd]irection|[Ff]actor|share|Unit quaternion|version",
+    re.IGNORECASE,
+)
+"""What a number may be said to be in."""
+
+
+def test_every_number_says_its_unit() -> None:
+    for title, definition in definitions().items():
+        for key, field in definition["properties"].items():
+            if any(isinstance(one, dict) and one.get("type") == "number" for one in everything(field)):
+                assert UNITS.search(field["description"]), (title, key)
+
+
+def test_the_reference_is_what_is_generated_now() -> None:
+    made = runpy.run_path(str(DOCS / "make_reference.py"))["reference"]()
+    assert (DOCS / "scene_reference.md").read_text(encoding="utf-8") == made, "write it anew: docs/make_reference.py"
+
+
+def test_the_reference_has_every_key_of_every_mapping() -> None:
+    sections = (DOCS / "scene_reference.md").read_text(encoding="utf-8").split("\n## ")[1:]
+    shown = {section.split("\n")[0]: re.findall(r"^\| `([^`]+)` \|", section, re.M) for section in sections}
+    kept = {title.removesuffix("Part"): sorted(one["properties"]) for title, one in definitions().items()}
+    assert {title: sorted(keys) for title, keys in shown.items()} == kept
 
 
 def test_nothing_may_be_null_nor_is_by_default() -> None:

@@ -19,7 +19,7 @@ class MotionPart(Part):
 class ConstantMotion(MotionPart):
     """translate(velocity t) * rotate(angular_velocity t)."""
 
-    type: Literal["constant"]
+    type: Literal["constant"] = Field(description="The law of the motion.")
     velocity: Vector = Field(default=ORIGIN, description="Length unit per second.")
     angular_velocity: Vector = Field(default=ORIGIN, description="Rotation vector, angle unit per second.")
 
@@ -27,7 +27,7 @@ class ConstantMotion(MotionPart):
 class BallisticMotion(MotionPart):
     """translate(velocity t + acceleration t^2 / 2) * rotate(angular_velocity t)."""
 
-    type: Literal["ballistic"]
+    type: Literal["ballistic"] = Field(description="The law of the motion.")
     velocity: Vector = Field(default=ORIGIN, description="At t = 0, length unit per second.")
     acceleration: Vector = Field(default=ORIGIN, description="Length unit per second squared.")
     angular_velocity: Vector = Field(default=ORIGIN, description="Rotation vector, angle unit per second.")
@@ -36,7 +36,7 @@ class BallisticMotion(MotionPart):
 class ScrewMotion(MotionPart):
     """A turn about an axis that advances along it."""
 
-    type: Literal["screw"]
+    type: Literal["screw"] = Field(description="The law of the motion.")
     axis: Vector = Field(description="Direction of the axis, of any length but 0.")
     point: Vector = Field(default=ORIGIN, description="On the axis, in the file's length unit.")
     rate: Number = Field(description="Right-handed, angle unit per second.")
@@ -46,7 +46,7 @@ class ScrewMotion(MotionPart):
 class OrbitMotion(MotionPart):
     """The body's origin on a circle about the rest origin."""
 
-    type: Literal["orbit"]
+    type: Literal["orbit"] = Field(description="The law of the motion.")
     axis: Vector = Field(description="Direction of the circle's axis, of any length but 0.")
     start: Vector = Field(description="Direction from the centre to the place of angle 0, perpendicular to the axis.")
     radius: Size = Field(description="Of the circle, in the file's length unit.")
@@ -58,8 +58,8 @@ class OrbitMotion(MotionPart):
 class HarmonicMotion(MotionPart):
     """translate(direction * amplitude * sin(2 pi t / period + phase))."""
 
-    type: Literal["harmonic"]
-    direction: Vector = Field(description="Of any length but 0.")
+    type: Literal["harmonic"] = Field(description="The law of the motion.")
+    direction: Vector = Field(description="Direction of the motion, of any length but 0.")
     amplitude: Number = Field(description="In the file's length unit.")
     period: Size = Field(description="Seconds.")
     phase: Number = Field(default=0.0, description="In the file's angle unit.")
@@ -68,7 +68,7 @@ class HarmonicMotion(MotionPart):
 class SwingMotion(MotionPart):
     """A turn about an axis by amplitude * sin(2 pi t / period + phase)."""
 
-    type: Literal["swing"]
+    type: Literal["swing"] = Field(description="The law of the motion.")
     axis: Vector = Field(description="Direction of the axis, of any length but 0.")
     point: Vector = Field(default=ORIGIN, description="On the axis, in the file's length unit.")
     amplitude: Number = Field(description="In the file's angle unit.")
@@ -79,7 +79,7 @@ class SwingMotion(MotionPart):
 class PolynomialMotion(MotionPart):
     """translate(sum of coefficients[k] t^k) * rotate(angular_velocity t)."""
 
-    type: Literal["polynomial"]
+    type: Literal["polynomial"] = Field(description="The law of the motion.")
     coefficients: tuple[Vector, ...] = Field(
         min_length=1, max_length=21, description="Of t^0, t^1, ...: length unit per second to the k."
     )
@@ -89,7 +89,7 @@ class PolynomialMotion(MotionPart):
 class ProfileMotion(MotionPart):
     """A slide or a turn by a trapezoid of speed, at rest before and after."""
 
-    type: Literal["profile"]
+    type: Literal["profile"] = Field(description="The law of the motion.")
     kind: Literal["slide", "turn"] = Field(description="Along the axis, or about it.")
     axis: Vector = Field(description="Direction of the axis, of any length but 0.")
     point: Vector = Field(default=ORIGIN, description="On the axis of a turn, in the file's length unit.")
@@ -103,9 +103,10 @@ class Key(Pose):
     """A pose at a time."""
 
     t: Number = Field(description="Seconds of the motion's own time, increasing from key to key.")
-    name: str | None = Field(default=None, description="Quoted when something happens beside this key.")
+    name: str | None = Field(default=None, description="Quoted when something happens beside this key. Default: none.")
     velocity: Vector | None = Field(
-        default=None, description="For cubic translation, length unit per second: at every key, or at none."
+        default=None,
+        description="For cubic translation, length unit per second: at every key, or at none. Default: Catmull-Rom.",
     )
 
 
@@ -125,7 +126,9 @@ Outside = Literal["error", "hold", "loop"]
 class PathMotion(MotionPart):
     """Poses at given times, and what happens between and outside of them."""
 
-    interpolation: Interpolation = Field(default=Interpolation(), description="Default: linear and slerp.")
+    interpolation: Interpolation = Field(
+        default=Interpolation(), description="Between the poses. Default: linear and slerp."
+    )
     before: Outside = Field(default="error", description="Before the first pose: refused, at rest, or repeated.")
     after: Outside = Field(default="error", description="After the last pose: refused, at rest, or repeated.")
 
@@ -133,7 +136,7 @@ class PathMotion(MotionPart):
 class KeyframesMotion(PathMotion):
     """Poses at given times, written here."""
 
-    type: Literal["keyframes"]
+    type: Literal["keyframes"] = Field(description="The law of the motion.")
     keys: tuple[Key, ...] = Field(min_length=1, description="They cover the time range, or before and after are said.")
 
 
@@ -141,7 +144,7 @@ class FileMotion(PathMotion):
     """Poses at given times, from a file. What is certified is the path interpolated between them."""
 
     later_values: ClassVar[dict[str, frozenset[str]]] = {"layout": frozenset({"euroc", "kitti"})}
-    type: Literal["file"]
+    type: Literal["file"] = Field(description="The law of the motion.")
     file: str = Field(min_length=1, description="Relative to the scene file.")
     layout: Literal["tum", "csv"] = Field(
         description="tum: lines of t x y z qx qy qz qw, in m. csv: a header names t, x, y, z and a rotation's columns."
@@ -150,7 +153,9 @@ class FileMotion(PathMotion):
     time_origin: Literal["first", "zero"] = Field(
         default="first", description="Whether t = 0 is the first pose's time, or the file's own 0."
     )
-    max_gap: Size | None = Field(default=None, description="Seconds: longer gaps between two poses are refused.")
+    max_gap: Size | None = Field(
+        default=None, description="Seconds: longer gaps between two poses are refused. Default: any gap."
+    )
 
 
 class LimitsMotion(MotionPart):

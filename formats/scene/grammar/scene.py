@@ -66,9 +66,9 @@ class BodyPart(Part):
     """A rigid body, or a mere frame: world_from_parent * pose * motion."""
 
     parent: str | None = Field(default=None, description="The body that carries this one. Default: the world.")
-    pose: Pose = Field(default=REST, description="In the parent.")
+    pose: Pose = Field(default=REST, description="In the parent. Default: at its origin, not turned.")
     shapes: tuple[ShapePart, ...] = Field(default=(), description="Rigid together.")
-    motion: MotionChoice | None = Field(default=None, description="Default: fixed.")
+    motion: MotionChoice | None = Field(default=None, description="How it moves from its pose. Default: fixed.")
     groups: tuple[str, ...] = Field(default=(), description="Names for pairs to refer to.")
     exists: tuple[Number, Number] | None = Field(
         default=None, description="Seconds, from and to: the body's shapes are there in between. Default: always."
@@ -79,7 +79,7 @@ class PairPart(Part):
     """Pairs with one body on each side."""
 
     between: tuple[str, str] = Field(description="Each a body, a group, or a pattern with * ? [ ].")
-    reason: str | None = Field(default=None, description="For the reader.")
+    reason: str | None = Field(default=None, description="For the reader. Default: none.")
 
 
 class MarginPart(PairPart):
@@ -100,11 +100,15 @@ class PairsPart(Part):
 class SceneFile(Part):
     """A native closecall scene."""
 
-    schema_address: str | None = Field(default=None, alias="$schema", description="For editors; not read.")
+    schema_address: str | None = Field(
+        default=None, alias="$schema", description="For editors; not read. Default: none."
+    )
     closecall: Literal[1] = Field(description="The version of the format.")
     units: Units = Field(description="Of this file.")
     time: TimeRange = Field(description="What is checked.")
-    settings: SettingsPart = Field(default=SettingsPart(), description="Overridden by command-line options.")
+    settings: SettingsPart = Field(
+        default=SettingsPart(), description="Overridden by command-line options. Default: those of each key."
+    )
     meshes: dict[str, MeshReference] = Field(default_factory=dict, description="Mesh files by name. Default: none.")
     bodies: dict[str, BodyPart] = Field(description="Bodies by name.")
-    pairs: PairsPart = Field(default=PairsPart(), description="Default: every pair is checked.")
+    pairs: PairsPart = Field(default=PairsPart(), description="Which pairs are checked. Default: all.")

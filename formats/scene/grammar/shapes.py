@@ -13,7 +13,7 @@ from .poses import REST, Pose
 class ShapeBase(Part):
     """A shape in its own frame."""
 
-    pose: Pose = Field(default=REST, description="Of the shape's frame, in the body.")
+    pose: Pose = Field(default=REST, description="Of the shape's frame, in the body. Default: the body's own.")
 
 
 class Box(ShapeBase):
