@@ -11,6 +11,7 @@ import os
 import re
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
@@ -122,6 +123,23 @@ def is_enclosed(pair: dict[str, Any], least: float) -> bool:
     """Whether a pair's least distance, m, lies between its bounds; polyhedra are nearer by up to the chord error."""
     lower, upper = pair["distance"]["lower"], pair["distance"]["upper"]
     return lower <= least + SLACK and least - pair["chord_error"] <= upper + SLACK
+
+
+def least_value(curve: Callable[[float], float], low: float, high: float) -> tuple[float, float]:
+    """Return the least value of a curve that falls and then rises, and where, by thirds."""
+    for _ in range(100):
+        early, late = low + (high - low) / 3.0, high - (high - low) / 3.0
+        low, high = (low, late) if curve(early) <= curve(late) else (early, high)
+    return curve(low), low
+
+
+def crossing(curve: Callable[[float], float], low: float, high: float, value: float) -> float:
+    """Return where a curve that is above `value` at one end and below it at the other crosses it, by halving."""
+    rises = curve(low) < value
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if (curve(middle) < value) == rises else (low, middle)
+    return low
 
 
 def least_distance(truth: Truth, pair: tuple[str, str], low: float, high: float, count: int) -> tuple[float, float]:

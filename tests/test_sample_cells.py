@@ -10,8 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from sample_runs import changes, has_contacts, is_bracketed, is_enclosed, least_distance, sample_of
-from scipy.optimize import minimize_scalar
+from sample_runs import changes, has_contacts, is_bracketed, is_enclosed, least_distance, least_value, sample_of
 
 
 def test_the_fingers_grip_the_part_when_their_closing_speed_says() -> None:
@@ -124,8 +123,7 @@ def gate_distance(time: float, start: float) -> float:
 
 def gate_least(start: float) -> tuple[float, float]:
     """Return the least distance (mm) of gate and parcel, and its time, s."""
-    found = minimize_scalar(gate_distance, bounds=(3.52, 3.9), args=(start,), method="bounded", options={"xatol": 1e-9})
-    return float(found.fun), float(found.x)
+    return least_value(lambda time: gate_distance(time, start), 3.52, 3.9)
 
 
 def test_the_gate_comes_down_behind_the_parcel_as_near_as_its_profile_says() -> None:
@@ -227,11 +225,11 @@ def test_the_tool_clears_the_jaw_on_its_way_back_as_near_as_the_profiles_say() -
     mill = sample_of("gantry")
     assert mill.says("When y has come back by s and z up by h, these are 92 - s mm apart in y and 90 - h mm in z")
     assert (200 - 8 - (80 + 20), 140 - (200 - 150)) == (92, 90)
-    found = minimize_scalar(jaw_distance, bounds=(3.95, 4.1), method="bounded", options={"xatol": 1e-10})
-    assert mill.says(f"stop and tool: clear, by {found.fun:.4f} mm at {found.x:.4f} s")
+    least, at = least_value(jaw_distance, 3.95, 4.1)
+    assert mill.says(f"stop and tool: clear, by {least:.4f} mm at {at:.4f} s")
     sampled, when = least_distance(mill.truth, ("stop", "tool"), 0.0, 5.0, 201)
-    assert (1e3 * sampled, when) == (pytest.approx(found.fun, abs=1e-6), pytest.approx(found.x, abs=1e-6))
-    assert is_enclosed(mill.pair("stop|tool"), 1e-3 * float(found.fun))
+    assert (1e3 * sampled, when) == (pytest.approx(least, abs=1e-6), pytest.approx(at, abs=1e-6))
+    assert is_enclosed(mill.pair("stop|tool"), 1e-3 * least)
     risen = 3.7 + 150.0 / 300.0 + 300.0 / 3000.0
     assert mill.says("3.8 s y back, before z has come up: this saves half a second")
     assert risen - 3.8 == pytest.approx(0.5)

@@ -9,8 +9,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from sample_runs import FOLDER, changes, has_contacts, is_bracketed, is_enclosed, least_distance, sample_of
-from scipy.optimize import brentq, minimize_scalar
+from sample_runs import (
+    FOLDER,
+    changes,
+    crossing,
+    has_contacts,
+    is_bracketed,
+    is_enclosed,
+    least_distance,
+    least_value,
+    sample_of,
+)
 
 from oracle.rigid import METRES, FloatArray
 
@@ -225,18 +234,20 @@ def valve_distance(time: float, shut: float, wide: float) -> float:
     return 219.0 - 9.0 * u**2 * (3.0 - 2.0 * u) - (pin(time) + 29.0)
 
 
-def least_of(shut: float, wide: float) -> tuple[float, float]:
-    """Return a valve's least distance (mm) from the piston about the top, and when, ms."""
-    found = minimize_scalar(valve_distance, (34.0, 36.0, 38.0), args=(shut, wide), tol=1e-10)
-    return float(found.fun), float(found.x)
+def intake(time: float) -> float:
+    return valve_distance(time, 33.5, 46.0)
+
+
+def exhaust(time: float) -> float:
+    return valve_distance(time, 37.2, 25.2)
 
 
 def test_the_intake_valve_breaches_its_margin_when_the_crank_drive_says() -> None:
     engine, pair = sample_of("piston_crank"), ("intake_valve", "piston")
     assert engine.says("219 - lift - (pin + 29) mm, where the pin is 43 cos a + sqrt(145^2 - (43 sin a)^2) mm")
     assert engine.says("the lift goes from 0 to 9 mm as 9 u^2 (3 - 2 u)")
-    least, when = least_of(33.5, 46.0)
-    begin, end = (brentq(lambda t: valve_distance(t, 33.5, 46.0) - 1.0, *sides) for sides in ((36.0, when), (when, 38)))
+    least, when = least_value(intake, 35.0, 37.5)
+    begin, end = crossing(intake, 36.0, when, 1.0), crossing(intake, when, 38.0, 1.0)
     assert engine.says(f"breach of the margin of 1 mm from {begin:.3f} ms to {end:.3f} ms")
     assert engine.says(f"that is {10 * begin - 360:.1f} to {10 * end - 360:.1f} degrees after top dead centre")
     assert engine.says(f"The least distance is {least:.3f} mm, at {when:.2f} ms. They do not touch")
@@ -253,7 +264,7 @@ def test_the_intake_valve_breaches_its_margin_when_the_crank_drive_says() -> Non
 
 def test_the_exhaust_valve_and_the_head_keep_their_margins_from_the_piston() -> None:
     engine = sample_of("piston_crank")
-    least, when = least_of(37.2, 25.2)
+    least, when = least_value(exhaust, 35.0, 37.0)
     assert engine.says(f"exhaust_valve and piston: clear, by {least:.3f} mm at {when:.2f} ms; the margin is 1.5 mm")
     nearest, then = least_distance(engine.truth, ("exhaust_valve", "piston"), 0.0345, 0.0375, 41)
     assert (f"{1e3 * nearest:.3f}", f"{1e3 * then:.2f}") == (f"{least:.3f}", f"{when:.2f}")
