@@ -161,7 +161,7 @@ class FileMotion(PathMotion):
 class LimitsMotion(MotionPart):
     """A path that is unknown but for its limits, from the rest pose, where it stands until t = 0."""
 
-    type: Literal["limits"]
+    type: Literal["limits"] = Field(description="The law of the motion.")
     velocity: Vector = Field(default=ORIGIN, description="At t = 0, length unit per second; its size alone counts.")
     max_speed: Size | None = Field(
         default=None,
