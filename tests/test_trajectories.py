@@ -275,6 +275,12 @@ def test_what_is_no_utf8_is_refused_at_its_line(layout: str, tail: bytes, line: 
     assert (fault.line, fault.message) == (line, f"expected UTF-8 text, got the byte 0x{byte}")
 
 
+def test_a_tab_after_a_quoted_cell_is_told_in_one_printable_line() -> None:
+    with pytest.raises(TrajectoryError) as caught:
+        read_trajectory(b't\tx\ty\tz\n0\t"1\t"2\t3\t4\n', "csv")
+    assert caught.value.message == "the row cannot be read as CSV: '\\t' expected after '\"'"
+
+
 def test_utf16_is_refused() -> None:
     assert "got the byte 0xff" in refusal("t\tx\ty\tz\n".encode("utf-16"), "csv").message
 

@@ -6,7 +6,7 @@ import csv
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from .errors import quoted, suggestion
+from .errors import printable, quoted, suggestion
 from .trajectory_table import Faults, Layout, Row, Table, TrajectoryError, read_table, text_lines
 
 _MEANINGS = {
@@ -156,4 +156,4 @@ def _rows(lines: Iterator[str], header: Header, faults: Faults) -> Iterator[Row]
                 yield line, row
             line = header.line + reader.line_num + 1
     except csv.Error as error:
-        faults.add(header.line + max(reader.line_num, 1), f"the row cannot be read as CSV: {error}")
+        faults.add(header.line + max(reader.line_num, 1), f"the row cannot be read as CSV: {printable(str(error))}")
