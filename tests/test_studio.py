@@ -1,236 +1,59 @@
 """The logs of the samples in Foxglove Studio, run in headless Chromium: what a person would see there.
 
 `tests/studio/install FOLDER` gets what this needs, and CLOSECALL_STUDIO_DIR names the folder; `.ci/run` does both.
-Everything stays on 127.0.0.1. One browser looks at every log, with the log's own layout: as it has just opened, at the
-start, half-way through the run, and in a contact.
+One browser looks at every log, with the log's own layout: as it has just opened, half-way through the run, and
+in a contact. One log is looked at in the light theme too.
 """
 
 from __future__ import annotations
 
 import json
-import os
-import re
-import shutil
-import subprocess
-import sys
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
-from urllib.parse import urlencode
 
 import numpy as np
 import pytest
-from mcap.reader import make_reader
 from mcap.writer import Writer
-from mcap_protobuf.decoder import DecoderFactory
-from numpy.typing import NDArray
-from studio.server import served
+from studio.logs import NAMES, Log, logs_of_samples, seconds
+from studio.looks import Visit, differs, packed, thick
+from studio.viewer import MISSING, Job, node, visited
 
-HERE = Path(__file__).parent / "studio"
-SAMPLES = HERE.parents[1] / "sample_scenes"
-NAMES = sorted(path.parent.name for path in SAMPLES.glob("*/scene.yaml"))
-TOUCHING = ["arm_pick", "asteroids", "ball_in_shell", "spinning_bar"]
-FOLDER = os.environ.get("CLOSECALL_STUDIO_DIR", "")
-BROWSERS = ("chromium", "chromium-browser", "google-chrome")
+TOUCHING = [
+    "arm_pick",
+    "asteroids",
+    "ball_in_shell",
+    "compound_gripper",
+    "door_and_drawer",
+    "gantry",
+    "spinning_bar",
+]
 
-OPENED, START, MIDDLE, LATER = range(4)
+OPENED, MIDDLE, LATER = range(3)
 """The looks at a log, in order; the last is in a contact, where there is one."""
 
 WITHOUT_CONTACT = 0.85
 """Share of the run at which the last look is taken where nothing touches."""
 
-NOISE = (
-    r"(?i).*\bfonts?\b|.*OTS parsing error",
-    # Studio builds its 3D panel anew while the layout is set, and the panel tells what it has been given back.
-    r"warn: Disposing renderer$",
-    r"warn: Panel action resulted in identical config",
-)
-NOISE_BEFORE_THE_FIRST_FRAME = (
-    r'warn: \[general > followTf\] Frame "world" not found$',
-    r"warn: \[layers > \w+\] Missing transform from frame <world> to frame <\(none\)>$",
-)
-
 BROKEN = "broken"
 """A log that is not closecall's: it shows that problems and blank scenes are noticed."""
 
+IN_LIGHT = "arm_pick"
+"""The sample that is looked at in the light theme too."""
 
-def _missing() -> str | None:
-    """Tell what hinders these tests, if anything does."""
-    if not FOLDER:
-        return "CLOSECALL_STUDIO_DIR names no folder, as tests/studio/install fills it"
-    if shutil.which("node") is None:
-        return "node is not installed"
-    if not any(map(shutil.which, BROWSERS)):
-        return "chromium is not installed"
-    for name, version in json.loads((HERE / "package.json").read_text())["dependencies"].items():
-        package = Path(FOLDER, "node_modules", name, "package.json")
-        if not package.exists() or json.loads(package.read_text())["version"] != version:
-            return f"the npm package {name} {version} is not in {FOLDER}"
-    return None
-
-
-MISSING = _missing()
 pytestmark = pytest.mark.skipif(MISSING is not None, reason=MISSING or "")
-
-
-class Told(NamedTuple):
-    """A message of a log: when, ns, and what."""
-
-    time: int
-    message: Any
-
-
-@dataclass(frozen=True)
-class Log:
-    """A sample's log, read by the MCAP library for Python."""
-
-    path: Path
-
-    @cached_property
-    def attachments(self) -> dict[str, bytes]:
-        with self.path.open("rb") as stream:
-            return {attachment.name: attachment.data for attachment in make_reader(stream).iter_attachments()}
-
-    @cached_property
-    def layout(self) -> dict[str, Any]:
-        return json.loads(self.attachments["layout.json"])
-
-    @cached_property
-    def contacts(self) -> list[tuple[str, float, float]]:
-        """Every contact's pair, begin and end, s."""
-        summary = json.loads(self.attachments["summary.json"])
-        end = summary["time"][1]
-        return [
-            (pair["pair"], contact["begin"][1], contact["end"][0] if contact["end"] else end)
-            for pair in summary["pairs"]
-            for contact in pair["contacts"]
-        ]
-
-    @cached_property
-    def seeks(self) -> list[float]:
-        """Shares of the run to seek to; all samples start at 0 s."""
-        end = json.loads(self.attachments["summary.json"])["time"][1]
-        later = WITHOUT_CONTACT
-        if self.contacts:
-            _, first, last = self.contacts[0]
-            later = (first + 0.35 * (last - first)) / end
-        return [0.0, 0.5, later]
-
-    def messages(self, topic: str) -> list[Told]:
-        with self.path.open("rb") as stream:
-            reader = make_reader(stream, decoder_factories=[DecoderFactory()])
-            return [Told(found[2].log_time, found[3]) for found in reader.iter_decoded_messages(topics=[topic])]
-
-    def latest(self, topic: str, shown: str) -> list[Any]:
-        """Return the messages that may be a topic's latest at a time of day, which Studio cuts to whole ms."""
-        time = round(seconds(shown) * 1e9)
-        messages = self.messages(topic)
-        known = [told for told in messages if told.time <= time]
-        latest = [told.message for told in known if told.time == known[-1].time]
-        return latest + [told.message for told in messages if time < told.time < time + 1_000_000]
-
-
-def seconds(time_of_day: str) -> float:
-    """Return the time of day, as in 12:00:01.500 AM UTC, in s."""
-    parts = re.fullmatch(r"(\d+):(\d+):([\d.]+) AM UTC", time_of_day)
-    assert parts, time_of_day
-    return (int(parts[1]) % 12 * 60 + int(parts[2])) * 60 + float(parts[3])
-
-
-class Look:
-    """What Studio showed at one time."""
-
-    def __init__(self, seen: Mapping[str, Any]) -> None:
-        self.time: str = seen["time"]
-        self._panels: dict[str, dict[str, Any]] = seen["panels"]
-        self._scene: dict[str, Any] = seen["scene"]
-
-    def panel(self, kind: str) -> dict[str, Any]:
-        """Return the only panel of a kind."""
-        (found,) = (panel for name, panel in self._panels.items() if name.startswith(f"{kind}!"))
-        return found
-
-    def text(self, kind: str) -> str:
-        return str(self.panel(kind)["text"])
-
-    @cached_property
-    def scene(self) -> NDArray[np.int16]:
-        """The picture of the 3D panel, (height, width, 3), without the buttons at its right."""
-        pixels = np.fromfile(self._scene["file"], dtype=np.uint8)
-        picture = pixels.reshape(self._scene["height"], self._scene["width"], 4)
-        return picture[:, :-60, :3].astype(np.int16)
-
-    @property
-    def bodies(self) -> NDArray[np.bool_]:
-        """Where the picture is neither background nor thin, as the grid's lines and the labels' letters are."""
-        colours, counts = np.unique(packed(self.scene), return_counts=True)
-        background = colours[counts.argmax()] >> np.array((16, 8, 0)) & 255
-        return thick(differs(self.scene, background))
-
-    @property
-    def red(self) -> int:
-        """How many pixels are as red as colliding bodies."""
-        red, green, blue = np.moveaxis(self.scene, -1, 0)
-        return int(np.count_nonzero((red > 110) & (red > 2 * green) & (red > 2 * blue)))
-
-
-@dataclass(frozen=True)
-class Visit:
-    """What Studio showed of one log."""
-
-    looks: Sequence[Look]
-    problems: str
-    painted: frozenset[str]
-    opening: Sequence[str]
-    console: Sequence[str]
-
-    @property
-    def complaints(self) -> list[str]:
-        """Lines of the console that tell of something wrong."""
-        return _complaints(self.opening, NOISE + NOISE_BEFORE_THE_FIRST_FRAME) + _complaints(self.console, NOISE)
-
-
-def _complaints(lines: Sequence[str], noise: Sequence[str]) -> list[str]:
-    wrong = [line for line in lines if not re.match(r"debug|log|info", line)]
-    return [line for line in wrong if not any(re.match(pattern, line) for pattern in noise)]
-
-
-def differs(picture: NDArray[np.int16], other: NDArray[Any]) -> NDArray[np.bool_]:
-    return np.asarray((np.abs(picture - other) > 20).any(axis=-1))
-
-
-def packed(picture: NDArray[np.int16]) -> NDArray[np.int64]:
-    """Return colours as one number each."""
-    return picture.astype(np.int64) @ np.array((1 << 16, 1 << 8, 1))
-
-
-def thick(area: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return the pixels whose eight neighbours belong to the area too."""
-    inner = area.copy()
-    for rows in (-1, 0, 1):
-        for columns in (-1, 0, 1):
-            inner &= np.roll(area, (rows, columns), axis=(0, 1))
-    return inner
-
-
-def node(script: str, *arguments: object) -> subprocess.CompletedProcess[str]:
-    command = ["node", str(HERE / script), *map(str, arguments)]
-    environment = os.environ | {"CLOSECALL_STUDIO_DIR": str(Path(FOLDER).resolve())}
-    return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=600)
 
 
 @pytest.fixture(scope="module")
 def logs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Log]:
-    """Run the tool on every sample."""
-    folder = tmp_path_factory.mktemp("logs")
-    found = {}
-    for name in NAMES:
-        found[name] = Log(folder / f"{name}.mcap")
-        command = [sys.executable, "-m", "closecall", "run", SAMPLES / name / "scene.yaml", "-o", found[name].path]
-        subprocess.run(list(map(str, command)), check=True, capture_output=True, timeout=120)
-    return found
+    return logs_of_samples(tmp_path_factory.mktemp("logs"))
+
+
+def seeks(log: Log) -> list[float]:
+    """Return the shares of the run to seek to."""
+    later = WITHOUT_CONTACT
+    if log.contacts:
+        _, first, last = log.contacts[0]
+        later = log.share(first + 0.35 * (last - first))
+    return [0.5, later]
 
 
 def write_broken(path: Path) -> None:
@@ -249,32 +72,12 @@ def write_broken(path: Path) -> None:
 def visits(logs: dict[str, Log], tmp_path_factory: pytest.TempPathFactory) -> dict[str, Visit]:
     """Open every log in Studio."""
     folder = tmp_path_factory.mktemp("visits")
-    write_broken(folder / f"{BROKEN}.mcap")
-    seeks: dict[str, list[float]] = {BROKEN: []}
-    for name, log in logs.items():
-        shutil.copy(log.path, folder)
-        (folder / f"{name}.json").write_bytes(log.attachments["layout.json"])
-        seeks[name] = log.seeks
-    shutil.copy(folder / "spinning_bar.json", folder / f"{BROKEN}.json")
-    with served({"/modules/": Path(FOLDER, "node_modules"), "/logs/": folder, "/": HERE}) as site:
-        jobs = []
-        for name, shares in seeks.items():
-            query = {"ds": "remote-file", "ds.url": f"{site}/logs/{name}.mcap", "layout": f"/logs/{name}.json"}
-            jobs.append({"name": name, "address": f"{site}/index.html?{urlencode(query)}", "seeks": shares})
-        browser = next(filter(None, map(shutil.which, BROWSERS)))
-        (folder / "visits").write_text(json.dumps({"browser": browser, "folder": str(folder), "visits": jobs}))
-        done = node("look.mjs", folder / "visits")
-    assert done.returncode == 0, done.stderr
-    return {
-        name: Visit(
-            looks=[Look(look) for look in seen["looks"]],
-            problems=seen["problems"],
-            painted=frozenset(seen["painted"]),
-            opening=seen["opening"],
-            console=seen["console"],
-        )
-        for name, seen in json.loads(done.stdout).items()
-    }
+    jobs = [Job(name, log.path, log.attachments["layout.json"], seeks(log)) for name, log in logs.items()]
+    write_broken(folder / "wrong")
+    jobs.append(Job(BROKEN, folder / "wrong", logs["spinning_bar"].attachments["layout.json"]))
+    layout = logs[IN_LIGHT].attachments["layout.json"]
+    jobs.append(Job("light", logs[IN_LIGHT].path, layout, seeks(logs[IN_LIGHT])[1:], theme="light", pictures=True))
+    return visited(jobs, folder)
 
 
 @pytest.fixture(params=NAMES)
@@ -300,9 +103,11 @@ def test_a_log_with_a_broken_schema_is_a_problem_and_its_scene_is_blank(visits: 
 
 
 def test_the_slider_seeks(name: str, logs: dict[str, Log], visits: dict[str, Visit]) -> None:
-    end = json.loads(logs[name].attachments["summary.json"])["time"][1]
+    log = logs[name]
     times = [seconds(look.time) for look in visits[name].looks]
-    assert times[START:] == pytest.approx([share * end for share in logs[name].seeks], abs=2e-3 * end)
+    start, end = log.summary["time"]
+    # To a pixel of the slider, and to the ms that Studio shows.
+    assert times[MIDDLE:] == pytest.approx([log.time(share) for share in seeks(log)], abs=2e-3 * (end - start) + 1e-3)
 
 
 def test_bodies_are_in_view_and_shaded(name: str, visits: dict[str, Visit]) -> None:
@@ -310,7 +115,7 @@ def test_bodies_are_in_view_and_shaded(name: str, visits: dict[str, Visit]) -> N
 
     About one time in ten the second has missed what the log tells of its first 0.1 s, and shows nothing until a seek.
     """
-    for look in visits[name].looks[START:]:
+    for look in visits[name].looks[MIDDLE:]:
         bodies = look.bodies
         assert np.count_nonzero(bodies) > 300
         assert len(np.unique(packed(look.scene[bodies] // 16))) >= 4
@@ -318,7 +123,7 @@ def test_bodies_are_in_view_and_shaded(name: str, visits: dict[str, Visit]) -> N
 
 def test_bodies_move(name: str, visits: dict[str, Visit]) -> None:
     looks = visits[name].looks
-    for one, other in ((START, MIDDLE), (MIDDLE, LATER), (START, LATER)):
+    for one, other in ((MIDDLE, LATER), (OPENED, MIDDLE), (OPENED, LATER)):
         moved = thick(differs(looks[one].scene, looks[other].scene))
         if np.count_nonzero(moved) > 200:
             return
@@ -329,7 +134,7 @@ def test_bodies_move(name: str, visits: dict[str, Visit]) -> None:
 def test_colliding_bodies_are_red_while_they_touch(name: str, logs: dict[str, Log], visits: dict[str, Visit]) -> None:
     looks = visits[name].looks
     assert looks[LATER].red > 20  # the fingers of arm_pick are small, and partly behind their names
-    for look in looks[START:]:
+    for look in looks[MIDDLE:]:
         if logs[name].latest("/world", look.time)[-1].contacts == 0:
             assert look.red < looks[LATER].red / 3
 
@@ -364,6 +169,13 @@ def test_the_plot_has_room(name: str, visits: dict[str, Visit]) -> None:
     assert plot["canvas"] > 0.6 * plot["height"]
 
 
+def test_bodies_and_contacts_are_seen_in_the_light_theme(visits: dict[str, Visit]) -> None:
+    look = visits["light"].looks[1]
+    assert look.background.min() > 200
+    assert np.count_nonzero(look.bodies) > 300
+    assert look.red > 20
+
+
 def test_state_transitions_show_where_contacts_begin(name: str, visits: dict[str, Visit]) -> None:
     assert "START (1)" in visits[name].painted
     assert ("BEGIN (1)" in visits[name].painted) is (name in TOUCHING)
@@ -379,7 +191,7 @@ def test_the_log_panel_shows_the_line_that_tells_of_the_start(logs: dict[str, Lo
     for name in NAMES:
         first, *others = logs[name].messages("/log")
         if not any(line.time == first.time for line in others):
-            assert first.message.message in visits[name].looks[START].text("RosOut")
+            assert first.message.message in visits[name].looks[OPENED].text("RosOut")
             assert "runs scene.yaml" in first.message.message
 
 

@@ -1,12 +1,14 @@
-// Starts Studio with one layout, the JSON file that the address names as `layout`, and nothing that would call home.
+// Starts Studio with one layout, the JSON file that the address names as `layout`, in the colours of its `theme` (dark or
+// light), and nothing that would call home.
 // The log is named by the address too (`ds=remote-file&ds.url=...`), as in a link that Studio itself would make.
 
 const LAYOUT = "the-log-s-own";
+const asked = new URLSearchParams(location.search);
 
 function settings() {
   const values = new Map(
     Object.entries({
-      colorScheme: "dark",
+      colorScheme: asked.get("theme"),
       timezone: "UTC",
       showOpenDialogOnStartup: false,
       "telemetry.telemetryEnabled": false,
@@ -35,7 +37,7 @@ function storage(data) {
 }
 
 async function start() {
-  const answer = await fetch(new URLSearchParams(location.search).get("layout"));
+  const answer = await fetch(asked.get("layout"));
   const layoutStorage = storage(await answer.json());
   localStorage.setItem("studio.profile-data", JSON.stringify({ currentLayoutId: LAYOUT }));
   await window.initI18n();
