@@ -14,7 +14,7 @@ from rich.text import Text
 
 from ..formats.log.errors import LogError
 from ..formats.scene.errors import SceneError
-from .faults import faults_reported
+from .faults import faults_reported, report
 from .job import Result, run_job
 from .options import RunOptions
 from .show import SEVERITY, STYLES, print_json, print_warnings
@@ -63,7 +63,7 @@ def _run_one(scene: Path, log: Path, options: RunOptions) -> Outcome:
     try:
         result = run_job(scene, log, options)
     except (SceneError, LogError) as fault:
-        click.echo(str(fault), err=True)
+        report(fault, log)
         return Outcome(scene, log, None, 2)
     if not options.quiet:
         print_warnings(result.warnings)

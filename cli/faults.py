@@ -34,7 +34,7 @@ def faults_reported(output: Path | None = None) -> Iterator[None]:
     except ClosedPipeError:
         sys.exit(128 + signal.SIGPIPE)
     except (SceneError, LogError) as fault:
-        click.echo(str(fault), err=True)
+        report(fault, output)
         sys.exit(2)
     except MemoryError:
         click.echo("out of memory: the scene is too large for this machine", err=True)
@@ -45,6 +45,14 @@ def faults_reported(output: Path | None = None) -> Iterator[None]:
     except Terminated:
         click.echo("terminated" + _how_to_recover(output), err=True)
         sys.exit(128 + signal.SIGTERM)
+
+
+def report(fault: Exception, output: Path | None) -> None:
+    """Print a fault on stderr, and where the log so far is, if the fault cut it short."""
+    from ..formats.log.errors import LogError
+
+    cut_short = isinstance(fault, LogError) and fault.path == Path(f"{output}.partial")
+    click.echo(str(fault) + (_how_to_recover(output) if cut_short else ""), err=True)
 
 
 def _terminate(number: int, frame: FrameType | None) -> NoReturn:

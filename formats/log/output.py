@@ -66,7 +66,7 @@ class Output:
 
     def _require_own_partial(self, stream: IO[bytes]) -> None:
         if not self.partial.exists() or not os.path.samestat(os.fstat(stream.fileno()), self.partial.stat()):
-            raise LogError(self.partial, "another run took or removed it", "give every run its own output")
+            raise LogError(self.path, f"another run took or removed {self.partial}", "give every run its own output")
 
     def fault(self, error: OSError) -> LogError:
         """Return the system's refusal to write as one line."""
