@@ -24,7 +24,7 @@ from ..scheduler.pairing import pairs_that_might_collide
 from ..scheduler.run import run
 from ..scheduler.scene import Scene, Settings, least_duration
 from ..scheduler.snapshot import Observer, observed
-from .options import RunOptions
+from .options import LEAST_SNAPSHOTS, USUAL_RATE, RunOptions
 from .progress import shown
 
 
@@ -57,8 +57,8 @@ def run_job(scene_path: Path, output: Path, options: RunOptions) -> Result:
     loaded, pairs = paired(loaded, narrow_phase, settings, options.max_pairs, options.strict)
     events = run(pairs, settings)
     if options.log == "full":
-        observer = Observer(loaded.scene, pairs, options.viz_pairs)
-        events = observed(events, observer, loaded.scene, options.rate, settings.time_resolution)
+        observer = Observer(loaded.scene, pairs, options.viz_pairs, narrow_phase)
+        events = observed(events, observer, loaded.scene, _rate(loaded.scene, options), settings.time_resolution)
     if not options.quiet:
         events = shown(events, loaded.scene.start, loaded.scene.end, scene_path.name)
     ready = perf_counter()
@@ -112,6 +112,13 @@ def _log_options(options: RunOptions) -> LogOptions:
         topics=Topics(options.topics),
         viewer=ViewerOptions(options.viz_pairs, options.viz_triangles) if options.log == "full" else None,
     )
+
+
+def _rate(scene: Scene, options: RunOptions) -> float:
+    """Return how many snapshots a second are taken, Hz."""
+    if options.rate is not None:
+        return options.rate
+    return max(USUAL_RATE, LEAST_SNAPSHOTS / (scene.end - scene.start))
 
 
 def _settings(scene: Scene, settings: Settings, options: RunOptions) -> Settings:

@@ -13,6 +13,10 @@ import click
 #: Verdicts that a run may be told to fail on.
 FINDINGS = ("contact", "breach", "unresolved", "possible")
 
+#: Hz, of snapshots, but for runs so short that fewer than so many would show no curve.
+USUAL_RATE = 30.0
+LEAST_SNAPSHOTS = 120
+
 AnyFunction = TypeVar("AnyFunction", bound=Callable[..., Any])
 
 
@@ -36,7 +40,7 @@ class RunOptions:
     strict: bool
     log: str
     topics: str
-    rate: float
+    rate: float | None
     viz_pairs: int
     viz_triangles: int
     as_json: bool
@@ -68,9 +72,9 @@ def _share(ctx: click.Context, param: click.Parameter, value: str | None) -> flo
     return share
 
 
-def _rate(ctx: click.Context, param: click.Parameter, value: float) -> float:
+def _rate(ctx: click.Context, param: click.Parameter, value: float | None) -> float | None:
     """Check that the rate is a number that can be kept."""
-    if not 0.0 <= value <= 1e6:
+    if value is not None and not 0.0 <= value <= 1e6:
         raise click.BadParameter(f"expected 0 to 1e6 Hz, got {value}.", ctx, param)
     return value
 
@@ -126,8 +130,7 @@ _OPTIONS = (
     click.option(
         "--rate",
         type=float,
-        default=30.0,
-        show_default=True,
+        show_default=f"{USUAL_RATE:g}, more in runs of less than {LEAST_SNAPSHOTS / USUAL_RATE:g} s",
         metavar="HZ",
         callback=_rate,
         help="Snapshots for viewers; 0: only at collisions.",

@@ -21,6 +21,7 @@ import pyarrow as pa
 import rerun as rr
 import rerun.blueprint as rrb
 from foxglove_schemas_protobuf.Pose_pb2 import Pose
+from foxglove_schemas_protobuf.SceneEntity_pb2 import SceneEntity
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from mcap.reader import make_reader
 from rerun.chunk import Chunk, McapReader, RrdReader
@@ -48,8 +49,7 @@ def convert(log: Path, recording: Path) -> None:
     with rr.RecordingStream("closecall", recording_id=log.stem) as stream:
         stream.save(recording, default_blueprint=rrb.Blueprint(views))
         stream.send_chunks(McapReader(log, timeline_type="duration_ns").stream().flat_map(Numbers()))
-        for update in messages(log, "/scene/meshes", SceneUpdate):
-            log_bodies(stream, update)
+        log_bodies(stream, log)
         log_distances(stream, log)
 
 
@@ -78,53 +78,66 @@ def collisions(recording: Path) -> list[dict[str, Any]]:
     return [collision for row in rows for collision in row[COLLISION] or ()]
 
 
-def messages(log: Path, topic: str, kind: type[Any]) -> Iterator[Any]:
-    """Yield the messages of a topic."""
+def messages(log: Path, topic: str, kind: type[Any]) -> Iterator[tuple[int, Any]]:
+    """Yield the messages of a topic, each with its log time, ns."""
     with log.open("rb") as stream:
         for _, _, message in make_reader(stream).iter_messages(topics=[topic]):
-            yield kind.FromString(message.data)
+            yield message.log_time, kind.FromString(message.data)
 
 
-def log_bodies(stream: rr.RecordingStream, update: SceneUpdate) -> None:
-    """Log the shapes of the bodies, each in the frame of its body."""
-    for entity in update.entities:
-        path = ["bodies", entity.id]
-        stream.log(path, rr.CoordinateFrame(entity.frame_id), static=True)
-        for index, mesh in enumerate(entity.triangles):
-            points = np.array([(point.x, point.y, point.z) for point in mesh.points])
-            colour = (mesh.color.r, mesh.color.g, mesh.color.b, mesh.color.a)
-            shape = rr.Mesh3D(
-                vertex_positions=placed(points, mesh.pose),
-                triangle_indices=np.array(mesh.indices).reshape(-1, 3),
-                albedo_factor=colour,
-            )
-            stream.log([*path, f"mesh_{index}"], rr.CoordinateFrame(entity.frame_id), shape, static=True)
-        for index, ball in enumerate(entity.spheres):
-            shape = rr.Ellipsoids3D(
-                half_sizes=[(0.5 * ball.size.x, 0.5 * ball.size.y, 0.5 * ball.size.z)],
-                centers=placed(np.zeros((1, 3)), ball.pose),
-                colors=[(ball.color.r, ball.color.g, ball.color.b, ball.color.a)],
-                fill_mode="solid",
-            )
-            stream.log([*path, f"sphere_{index}"], rr.CoordinateFrame(entity.frame_id), shape, static=True)
-        for index, box in enumerate(entity.cubes):
-            turn = box.pose.orientation
-            shape = rr.Boxes3D(
-                sizes=[(box.size.x, box.size.y, box.size.z)],
-                centers=placed(np.zeros((1, 3)), box.pose),
-                quaternions=[(turn.x, turn.y, turn.z, turn.w)],
-                colors=[(box.color.r, box.color.g, box.color.b, box.color.a)],
-                fill_mode="solid",
-            )
-            stream.log([*path, f"box_{index}"], rr.CoordinateFrame(entity.frame_id), shape, static=True)
+def log_bodies(stream: rr.RecordingStream, log: Path) -> None:
+    """Log the shapes of the bodies while they exist: each message tells of all that do from then on."""
+    there: set[str] = set()
+    for time, update in messages(log, "/scene/meshes", SceneUpdate):
+        stream.set_time(TIMELINE, duration=np.timedelta64(time, "ns"))
+        now = {entity.id: entity for entity in update.entities}
+        for gone in there - now.keys():
+            stream.log(["bodies", gone], rr.Clear(recursive=True))
+        for name in now.keys() - there:
+            log_body(stream, now[name])
+        there = set(now)
+    stream.reset_time()
+
+
+def log_body(stream: rr.RecordingStream, entity: SceneEntity) -> None:
+    """Log the shapes of a body in its frame."""
+    path = ["bodies", entity.id]
+    stream.log(path, rr.CoordinateFrame(entity.frame_id))
+    for index, mesh in enumerate(entity.triangles):
+        points = np.array([(point.x, point.y, point.z) for point in mesh.points])
+        colour = (mesh.color.r, mesh.color.g, mesh.color.b, mesh.color.a)
+        shape = rr.Mesh3D(
+            vertex_positions=placed(points, mesh.pose),
+            triangle_indices=np.array(mesh.indices).reshape(-1, 3),
+            albedo_factor=colour,
+        )
+        stream.log([*path, f"mesh_{index}"], rr.CoordinateFrame(entity.frame_id), shape)
+    for index, ball in enumerate(entity.spheres):
+        shape = rr.Ellipsoids3D(
+            half_sizes=[(0.5 * ball.size.x, 0.5 * ball.size.y, 0.5 * ball.size.z)],
+            centers=placed(np.zeros((1, 3)), ball.pose),
+            colors=[(ball.color.r, ball.color.g, ball.color.b, ball.color.a)],
+            fill_mode="solid",
+        )
+        stream.log([*path, f"sphere_{index}"], rr.CoordinateFrame(entity.frame_id), shape)
+    for index, box in enumerate(entity.cubes):
+        turn = box.pose.orientation
+        shape = rr.Boxes3D(
+            sizes=[(box.size.x, box.size.y, box.size.z)],
+            centers=placed(np.zeros((1, 3)), box.pose),
+            quaternions=[(turn.x, turn.y, turn.z, turn.w)],
+            colors=[(box.color.r, box.color.g, box.color.b, box.color.a)],
+            fill_mode="solid",
+        )
+        stream.log([*path, f"box_{index}"], rr.CoordinateFrame(entity.frame_id), shape)
 
 
 def log_distances(stream: rr.RecordingStream, log: Path) -> None:
     """Log every pair's measured distances, m, and the least of all, as curves over time."""
     curves: dict[tuple[str, ...], list[tuple[int, float]]] = defaultdict(list)
-    for message in messages(log, "/distances", Distance):
+    for _, message in messages(log, "/distances", Distance):
         curves["distance", message.pair].append((message.timestamp.ToNanoseconds(), message.distance))
-    for message in messages(log, "/world", World):
+    for _, message in messages(log, "/world", World):
         curves["least_distance",].append((message.timestamp.ToNanoseconds(), message.min_distance))
     for path, curve in curves.items():
         times, values = zip(*curve, strict=True)

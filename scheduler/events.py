@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
+import numpy as np
+from numpy.typing import NDArray
+
 from .rotation import FloatArray
 
 Point = tuple[float, float, float]
@@ -197,6 +200,7 @@ class Snapshot:
 
     Attributes:
         poses: (n, 4, 4) world_from_body of every body, in document order.
+        there: (n,) which bodies exist.
         nearest: the nearest pairs, nearest first (ties by pair id); the first holds the least distance of all.
         contacts: how many pairs are in contact.
         occasion: the collision it was taken for, None for a tick.
@@ -204,6 +208,7 @@ class Snapshot:
 
     time: float
     poses: FloatArray
+    there: NDArray[np.bool_]
     nearest: tuple[Nearness, ...]
     contacts: int
     occasion: Collision | None

@@ -7,7 +7,9 @@ in a frame centred on the first, so that FCL's error follows their size and not 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -42,10 +44,10 @@ _COLLISION_REQUEST = fcl.CollisionRequest(num_max_contacts=1, enable_contact=Fal
 
 
 class Rounded(NamedTuple):
-    """A core's nearest point (m), the feature that holds it, and the radius (m) that rounds it."""
+    """A core's nearest point (m), what finds the feature that holds it, and the radius (m) that rounds it."""
 
     point: Vector
-    feature: Feature
+    feature: Callable[[], Feature]
     radius: float
 
 
@@ -56,14 +58,14 @@ class Proximity:
     Attributes:
         distance: m between the surfaces (rounding radii off), 0 where they meet.
         witness_a, witness_b: m, the nearest points, or twice one point where they meet; in the frame of the poses.
-        feature_a, feature_b: what holds them.
+        feature_a, feature_b: find what holds them, which takes as long as finding the points.
     """
 
     distance: float
     witness_a: Vector
     witness_b: Vector
-    feature_a: Feature
-    feature_b: Feature
+    feature_a: Callable[[], Feature]
+    feature_b: Callable[[], Feature]
 
     @staticmethod
     def of_rounded(one: Rounded, other: Rounded) -> Proximity:
@@ -143,13 +145,20 @@ class PlacedShape:
 
     def corners(self, triangle: int) -> Triangle:
         """Return a core triangle's corners in the measuring frame."""
-        a, b, c = self.world(self.model.mesh.vertices[self.model.mesh.triangles[triangle]]).tolist()
-        return tuple(a), tuple(b), tuple(c)
+        return self._corners(triangle, self.pose)
 
     def rounded(self, triangle: int, witness: Vector) -> Rounded:
-        """Return the core's witness, with what of its triangle holds it."""
-        kind, index = feature_at(witness, self.corners(triangle))
-        return Rounded(witness, Feature(kind, self.index, triangle, index), self.shape.radius)
+        """Return the core's witness, and what finds what of its triangle holds it, also once the shape has moved on."""
+        return Rounded(witness, partial(self._feature, triangle, witness, self.pose), self.shape.radius)
+
+    def _corners(self, triangle: int, pose: FloatArray) -> Triangle:
+        corners = self.model.mesh.vertices[self.model.mesh.triangles[triangle]]
+        a, b, c = (corners @ pose[:3, :3].T + pose[:3, 3]).tolist()
+        return tuple(a), tuple(b), tuple(c)
+
+    def _feature(self, triangle: int, witness: Vector, pose: FloatArray) -> Feature:
+        kind, index = feature_at(witness, self._corners(triangle, pose))
+        return Feature(kind, self.index, triangle, index)
 
 
 class NarrowPhase:

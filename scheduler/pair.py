@@ -191,8 +191,8 @@ class Pair:
             gap,
             mapped(world, a),
             mapped(world, b),
-            proximity.feature_a,
-            proximity.feature_b,
+            proximity.feature_a(),
+            proximity.feature_b(),
         )
 
     @cached_property
@@ -204,8 +204,8 @@ class Pair:
         """Return the exact proximity of two spheres, whose balls are themselves."""
         core = Feature(FeatureKind.VERTEX, 0, 0, 0)
         return Proximity.of_rounded(
-            Rounded(moments.a.centre, core, self.motion.a.ball.radius),
-            Rounded(moments.b.centre, core, self.motion.b.ball.radius),
+            Rounded(moments.a.centre, lambda: core, self.motion.a.ball.radius),
+            Rounded(moments.b.centre, lambda: core, self.motion.b.ball.radius),
         )
 
     def _world_from_ancestor(self, t: float) -> FloatArray:

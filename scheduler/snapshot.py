@@ -3,61 +3,128 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from math import floor, inf
+from heapq import merge
+from itertools import groupby
+from math import floor, inf, sqrt
 
 import numpy as np
+from numpy.typing import NDArray
 
-from .chain import parents_first
 from .events import Collision, Event, Nearness, Phase, Snapshot, Verdict, Wakeup
 from .extent import body_extent
+from .narrow_phase import NarrowPhase
 from .pair import Pair
-from .rotation import FloatArray, mapped
-from .scene import Body, Scene
+from .poses import WorldPoses
+from .rotation import FloatArray
+from .scene import Scene
 from .vector import ZERO
+
+# Relative: what the sums of travels may lose to rounding.
+_ROUNDING = 1e-9
 
 
 class Observer:
     """Takes snapshots: every body's pose, and the nearest pairs, exactly measured at that instant."""
 
-    def __init__(self, scene: Scene, pairs: Sequence[Pair], most_pairs: int) -> None:
+    def __init__(self, scene: Scene, pairs: Sequence[Pair], most_pairs: int, narrow_phase: NarrowPhase) -> None:
         """Observe the scene's pairs; a snapshot names at most `most_pairs` >= 1 of them."""
-        self._bodies = scene.bodies
-        self._order = parents_first(scene.bodies)
+        self._scene = scene
+        self._poses = WorldPoses(scene.bodies)
         self._pairs = pairs
         self._most_pairs = most_pairs
-        balls = [body_extent(body).ball if body.shapes else None for body in scene.bodies]
-        self._centres = [ball.centre if ball else ZERO for ball in balls]
-        radii = np.array([ball.radius if ball else 0.0 for ball in balls])
+        self._narrow_phase = narrow_phase
+        self._travel = Travel(scene)
         self._first = np.array([pair.key.a for pair in pairs], dtype=np.int64)
         self._second = np.array([pair.key.b for pair in pairs], dtype=np.int64)
-        self._radii = radii[self._first] + radii[self._second]
-        self._starts = np.array([pair.start for pair in pairs])
-        self._ends = np.array([pair.end for pair in pairs])
         self._possible = np.array([pair.possible for pair in pairs], dtype=bool)
+        # What was measured last and the travel of both bodies by then: less their travel since, it bounds the distance.
+        self._allowance = np.full(len(pairs), -inf)
+        self._index = {pair.key.id: index for index, pair in enumerate(pairs)}
 
     def at(self, time: float, touching: frozenset[int], occasion: Collision | None = None) -> Snapshot:
         """Return the snapshot at `time` (s), while the pairs with ids in `touching` are in contact."""
-        poses = world_poses(self._bodies, self._order, time)
-        nearest = tuple(self._nearest(time, poses, touching))
-        return Snapshot(time, poses, nearest, len(touching), occasion)
+        poses = self._poses.at(time)
+        there = existing(self._scene, time)
+        watched = there[self._first] & there[self._second]
+        if occasion is not None:  # which may be the last that its pair does
+            watched[self._index[occasion.pair.id]] = True
+        nearest = tuple(self._nearest(time, poses, touching, watched))
+        contacts = sum(1 for pair in touching if watched[self._index[pair]])
+        return Snapshot(time, poses, there, nearest, contacts, occasion)
 
-    def _nearest(self, time: float, poses: FloatArray, touching: frozenset[int]) -> list[Nearness]:
-        """Measure pairs in order of their bounding balls' gap until no other can be among the nearest."""
-        centres = np.array([mapped(pose, centre) for pose, centre in zip(poses, self._centres, strict=True)])
-        gaps = np.linalg.norm(centres[self._first] - centres[self._second], axis=1) - self._radii
-        gaps[self._possible] = -inf  # the ball that stands for an unknown place may be nearer than the body drawn
-        gaps[(time < self._starts) | (time > self._ends)] = inf
+    def _nearest(
+        self, time: float, poses: FloatArray, touching: frozenset[int], watched: NDArray[np.bool_]
+    ) -> list[Nearness]:
+        """Measure pairs in order of lower bounds on their distances until no other can be among the nearest."""
+        self._travel.advance(poses)
+        travelled = self._travel.so_far[self._first] + self._travel.so_far[self._second]
+        bounds = np.maximum(self._travel.gaps(self._first, self._second), self._allowance - travelled)
+        bounds[self._possible] = -inf  # the ball that stands for an unknown place may be nearer than the body drawn
+        bounds[~watched] = inf
         found: list[Nearness] = []
-        for index in np.argsort(gaps, kind="stable"):
-            if gaps[index] == inf:
+        for index in np.argsort(bounds, kind="stable"):
+            if bounds[index] == inf:
                 break
-            if len(found) >= self._most_pairs and gaps[index] > found[-1].distance:
+            if len(found) >= self._most_pairs and bounds[index] > found[-1].distance:
                 break
-            pair = self._pairs[index]
-            found.append(_nearness(pair, time, pair.key.id in touching))
+            near = self._measured(self._pairs[index], time, poses, touching)
+            self._allowance[index] = near.distance + travelled[index]
+            found.append(near)
             found.sort(key=lambda near: (near.distance, near.pair.id))
             del found[self._most_pairs :]
         return found
+
+    def _measured(self, pair: Pair, time: float, poses: FloatArray, touching: frozenset[int]) -> Nearness:
+        """Measure a pair exactly; one known to be in contact reads 0 even where its surfaces are apart."""
+        if pair.possible:
+            told = pair.distance(pair.measure_exactly(time))
+            assert told is not None
+            verdict = Verdict.POSSIBLE if told.distance <= pair.margin else Verdict.CLEAR
+            return Nearness(pair.key, told.distance, verdict, told.witness_a, told.witness_b)
+        a, b = pair.key.a, pair.key.b
+        found = self._narrow_phase.nearest(a, b, poses[a], poses[b])
+        if pair.key.id in touching or found.distance <= pair.error:
+            return Nearness(pair.key, 0.0, Verdict.CONTACT, found.witness_a, found.witness_b)
+        verdict = Verdict.BREACH if found.distance < pair.margin else Verdict.CLEAR
+        return Nearness(pair.key, found.distance, verdict, found.witness_a, found.witness_b)
+
+
+class Travel:
+    """How far the points of bodies have got, from one set of poses to the next.
+
+    Attributes:
+        so_far: (n,) m, of each body, above the sum of what any of its points was displaced by.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        """Start with nobody placed."""
+        balls = [body_extent(body).ball if body.shapes else None for body in scene.bodies]
+        self._middles = np.array([ball.centre if ball else ZERO for ball in balls]).reshape(-1, 3)
+        self._radii = np.array([ball.radius if ball else 0.0 for ball in balls])
+        self._turns: FloatArray | None = None
+        self._centres = np.zeros_like(self._middles)
+        self.so_far = np.zeros(len(balls))
+
+    def advance(self, poses: FloatArray) -> None:
+        """Move all bodies to the poses (n, 4, 4).
+
+        A point of a ball is displaced by no more than its centre is, and the radius times the norm of what the
+        rotation changed by: that is its Frobenius norm over sqrt(2), as two of three singular values are equal and one
+        is 0.
+        """
+        turns = poses[:, :3, :3]
+        centres = np.einsum("nij,nj->ni", turns, self._middles) + poses[:, :3, 3]
+        if self._turns is not None:
+            turned = np.linalg.norm(turns - self._turns, axis=(1, 2)) / sqrt(2.0)
+            moved = np.linalg.norm(centres - self._centres, axis=1) + self._radii * turned
+            self.so_far += moved * (1.0 + _ROUNDING)
+        self._turns, self._centres = turns, centres
+
+    def gaps(self, first: NDArray[np.int64], second: NDArray[np.int64]) -> FloatArray:
+        """Return the gap (m) between the balls of pairs of bodies, negative where they overlap."""
+        apart: FloatArray = np.linalg.norm(self._centres[first] - self._centres[second], axis=1)
+        apart -= self._radii[first] + self._radii[second]
+        return apart
 
 
 def observed(
@@ -65,17 +132,19 @@ def observed(
 ) -> Iterator[Event]:
     """Yield the events with snapshots between them: at start, every 1/rate s, at the end, and at each collision.
 
-    A tick is taken once every pair is decided up to it: no wakeup goes back by more than one time resolution.
+    They are also taken whenever a body appears or vanishes, whatever the rate. A tick is taken once every pair is
+    decided up to it: no wakeup goes back by more than one time resolution.
 
     Args:
         events: of `run`.
         observer: of the same scene.
         scene: whose times bound the ticks.
-        rate: 1/s; 0 leaves collisions alone.
+        rate: 1/s; 0 leaves collisions and changes of what exists.
         time_resolution: s, of the run.
     """
     touching: set[int] = set()
-    ticks = tick_times(scene.start, scene.end, rate)
+    times = merge(tick_times(scene.start, scene.end, rate), changes_of_existence(scene))
+    ticks = (time for time, _ in groupby(times))
     tick = next(ticks, None)
     for event in events:
         if isinstance(event, Wakeup):
@@ -102,24 +171,19 @@ def tick_times(start: float, end: float, rate: float) -> Iterator[float]:
     yield end
 
 
-def world_poses(bodies: tuple[Body, ...], order: Sequence[int], time: float) -> FloatArray:
-    """Return world_from_body of every body, (n, 4, 4); `order` names parents before their children."""
-    poses = np.empty((len(bodies), 4, 4))
-    for index in order:
-        body = bodies[index]
-        local = body.pose @ body.motion.pose(time)
-        poses[index] = local if body.parent is None else poses[body.parent] @ local
-    return poses
+def existing(scene: Scene, time: float) -> NDArray[np.bool_]:
+    """Tell of each body whether it exists at `time` (s): up to its end, which only the scene's end belongs to."""
+    from_, to = _lifetimes(scene)
+    there: NDArray[np.bool_] = (from_ <= time) & ((time < to) | (to >= scene.end))
+    return there
 
 
-def _nearness(pair: Pair, time: float, touching: bool) -> Nearness:
-    """Measure a pair exactly; one known to be in contact reads 0 even where its surfaces are apart."""
-    told = pair.distance(pair.measure_exactly(time))
-    assert told is not None
-    if pair.possible:
-        verdict = Verdict.POSSIBLE if told.distance <= pair.margin else Verdict.CLEAR
-        return Nearness(pair.key, told.distance, verdict, told.witness_a, told.witness_b)
-    if touching or told.distance == 0.0:
-        return Nearness(pair.key, 0.0, Verdict.CONTACT, told.witness_a, told.witness_b)
-    verdict = Verdict.BREACH if told.distance < pair.margin else Verdict.CLEAR
-    return Nearness(pair.key, told.distance, verdict, told.witness_a, told.witness_b)
+def changes_of_existence(scene: Scene) -> list[float]:
+    """Return the times (s) inside the scene's at which a body appears or vanishes, in order."""
+    return [time for time in np.unique(_lifetimes(scene)).tolist() if scene.start < time < scene.end]
+
+
+def _lifetimes(scene: Scene) -> FloatArray:
+    """Return when each body appears and vanishes, (2, n) s."""
+    lifetimes: FloatArray = np.array([body.exists for body in scene.bodies]).reshape(-1, 2).T
+    return lifetimes

@@ -151,7 +151,7 @@ def test_several_shapes_of_one_body_read_as_their_nearest():
     bodies = Body("many", None, EYE, Fixed(), shapes), Body("one", None, EYE, Fixed(), (Shape(POINT, 0.5, EYE),))
     found = NarrowPhase(bodies).nearest(0, 1, EYE, placed(None, 5.0, 3.0))
     assert found.distance == pytest.approx(2.0, abs=1e-15)
-    assert found.feature_a.shape == 1
+    assert found.feature_a().shape == 1
 
 
 CORNERS = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))

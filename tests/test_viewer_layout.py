@@ -7,9 +7,10 @@ from math import cos, radians, sin, tan
 
 import numpy as np
 import pytest
-from viewer_logs import show, write_scene
+from viewer_logs import seen, show, write_scene
 
-from closecall.formats.log.viewer.layout import camera, layout
+from closecall.formats.log.viewer.camera import camera
+from closecall.formats.log.viewer.layout import layout
 from closecall.formats.log.viewer.reach import Reach, reach
 from closecall.scheduler.motions import Constant, Fixed
 from closecall.scheduler.scene import Body, Mesh, Scene, Shape
@@ -22,18 +23,6 @@ CLOUDS = {
     "speck": RNG.uniform(-1e-5, 1e-5, (500, 3)),
     "point": np.zeros((1, 3)),
 }
-
-
-def seen(points: np.ndarray, distance: float, phi: float, theta: float, target: np.ndarray) -> np.ndarray:
-    """Return the points' slopes off the axis and depths, (n, 3), for a camera as Foxglove places it."""
-    tilt, turn = radians(phi), radians(theta)
-    place = target + distance * np.array((-sin(tilt) * sin(turn), -sin(tilt) * cos(turn), cos(tilt)))
-    forward = (target - place) / np.linalg.norm(target - place)
-    right = np.cross(forward, (0.0, 0.0, 1.0))
-    right /= np.linalg.norm(right)
-    depths = (points - place) @ forward
-    across, upright = (points - place) @ right, (points - place) @ np.cross(right, forward)
-    return np.column_stack((across / depths, upright / depths, depths))
 
 
 @pytest.mark.parametrize("name", CLOUDS)
@@ -73,7 +62,7 @@ def test_reach_covers_all_that_bodies_sweep():
 def test_scenes_without_shapes_or_extent_have_a_size():
     nothing = reach(Scene((Body("frame", None, np.eye(4), Fixed(), ()),), 0.0, 1.0, ()), np.zeros((1, 26, 3)), [False])
     assert nothing.size == 1.0
-    document = json.loads(layout(nothing, labelled=True))
+    document = json.loads(layout(nothing, camera(nothing), []))
     assert document["configById"]["3D!scene"]["cameraState"]["distance"] > 0.0
 
 
@@ -96,7 +85,7 @@ def test_the_layout_shows_scene_plot_states_pairs_and_log(tmp_path):
     assert scene["followTf"] == "world"
     topics = {topic for topic, _, _ in shown.decoded()}
     assert all(settings["visible"] and name in topics for name, settings in scene["topics"].items())
-    assert set(scene["topics"]) == {"/scene/meshes", "/viz/clearance", "/viz/contacts"}
+    assert set(scene["topics"]) == {"/scene/meshes", "/viz/clearance", "/viz/contacts", "/viz/names"}
 
 
 def test_camera_and_grid_are_on_the_bounds_of_all_bodies_over_the_run(tmp_path):

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import json
-from itertools import pairwise
+from itertools import combinations, pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from viewer_logs import MOVING, SCENE, Shown, show, write_scene
+from viewer_logs import MOVING, SCENE, Shown, seen_by, show, write_scene
 
 from closecall.formats.log.viewer.viewer import ViewerOptions
 from closecall.scheduler.events import PairKey, Phase, Snapshot, Verdict
@@ -196,17 +196,59 @@ def viewer_size(shown: Shown) -> float:
 
 
 def test_figures_stand_over_the_middle_and_say_the_distance(shown):
+    """Over it from where the layout looks: they come towards the eye, out of the bodies that would hide them."""
+    layout = json.loads(shown.attachment("layout.json") or b"")
+    view = layout["configById"]["3D!scene"]["cameraState"]
+    told = 0
     for snapshot, update in at(shown, "/viz/clearance"):
         near = {pair_name(n.pair): n for n in snapshot.nearest}
         for entity in update.entities:
             for text in entity.texts:
                 a, b = np.array(near[entity.id].witness_a), np.array(near[entity.id].witness_b)
-                over = np.array(xyz(text.pose.position)) - 0.5 * (a + b)
-                assert over[:2] == pytest.approx((0.0, 0.0), abs=1e-12)
-                assert over[2] > 0.0
+                top, middle = seen_by(view, np.array((xyz(text.pose.position), 0.5 * (a + b))))
+                assert top[0] == pytest.approx(middle[0], abs=0.01)
+                assert 0.0 < top[1] - middle[1] < 0.1
+                assert top[2] < middle[2]
+                told += 1
                 value, unit = text.text.split()
                 metres = float(value) * {"µm": 1e-6, "mm": 1e-3, "m": 1.0}[unit]
                 assert metres == pytest.approx(near[entity.id].distance, rel=0.006)
+    assert told > 10
+
+
+def test_what_stands_still_is_painted_before_what_stands_on_it_and_what_moves(shown):
+    """Viewers paint translucent triangles from the farthest origin to the nearest, as seen from the layout."""
+    layout = json.loads(shown.attachment("layout.json") or b"")
+    view = layout["configById"]["3D!scene"]["cameraState"]
+    ((_, meshes),) = shown.messages("/scene/meshes")
+    origins = {
+        entity.id: np.array([xyz(drawn.pose.position) for drawn in entity.triangles]) for entity in meshes.entities
+    }
+    depths = {name: seen_by(view, origins[name])[:, 2] for name in ("floor", "anvil")}
+    assert depths["floor"].min() > depths["anvil"].max()
+    size = viewer_size(shown)
+    assert depths["anvil"].min() > view["distance"] + size, "all that moves is within the scene"
+
+
+def test_moving_bodies_bear_their_names_and_no_text_covers_another(shown):
+    layout = json.loads(shown.attachment("layout.json") or b"")
+    view = layout["configById"]["3D!scene"]["cameraState"]
+    half_height = np.tan(np.radians(22.5))
+    called = set()
+    texts: dict[float, list[Any]] = {}
+    for topic in ("/viz/names", "/viz/clearance", "/viz/contacts"):
+        for snapshot, update in at(shown, topic):
+            texts.setdefault(snapshot.time, []).extend(text for entity in update.entities for text in entity.texts)
+    for together in texts.values():
+        called |= {text.text for text in together}
+        places = seen_by(view, np.array([xyz(text.pose.position) for text in together]))[:, :2] / half_height
+        for (one, text), (other, beside) in combinations(zip(places, together, strict=True), 2):
+            across, upright = np.abs(one - other)
+            # 650 pixels high, letters of 15: 9 wide, 20 with the box around them.
+            letters = 0.5 * (len(text.text) + len(beside.text))
+            assert across > letters * 9 / 325 or upright > 20 / 325
+    assert {"hammer", "pin"} < called  # the carriage is where the pin hangs
+    assert not {"joint", "floor", "anvil"} & called, "frames without shapes and what stands still have no names"
 
 
 def test_contacts_are_marked_and_their_bodies_turn_red(shown):

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from math import cos, radians, sin
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 
@@ -88,8 +90,9 @@ def show(scene: Path, out: Path, *, rate: float = 30.0, viewer: ViewerOptions | 
     """Run a scene into a log with viewer topics, at `rate` Hz."""
     viewer = viewer or ViewerOptions()
     loaded = read_scene(scene, ())
-    pairs = tuple(pairs_that_might_collide(loaded.scene, NarrowPhase(loaded.scene.bodies), loaded.settings.margin))
-    observer = Observer(loaded.scene, pairs, viewer.pairs)
+    narrow_phase = NarrowPhase(loaded.scene.bodies)
+    pairs = tuple(pairs_that_might_collide(loaded.scene, narrow_phase, loaded.settings.margin))
+    observer = Observer(loaded.scene, pairs, viewer.pairs, narrow_phase)
     events = run(pairs, loaded.settings)
     snapshots = []
     with LogWriter(out, loaded, loaded.settings, len(pairs), LogOptions(viewer=viewer, **options)) as log:
@@ -98,3 +101,20 @@ def show(scene: Path, out: Path, *, rate: float = 30.0, viewer: ViewerOptions | 
             if isinstance(event, Snapshot):
                 snapshots.append(event)
     return Shown(out, snapshots)
+
+
+def seen_by(view: dict[str, Any], points: np.ndarray) -> np.ndarray:
+    """Return what `seen` does, for the camera of a layout."""
+    return seen(points, view["distance"], view["phi"], view["thetaOffset"], np.array(view["targetOffset"]))
+
+
+def seen(points: np.ndarray, distance: float, phi: float, theta: float, target: np.ndarray) -> np.ndarray:
+    """Return the points' slopes off the axis and depths, (n, 3), for a camera as Foxglove places it."""
+    tilt, turn = radians(phi), radians(theta)
+    place = target + distance * np.array((-sin(tilt) * sin(turn), -sin(tilt) * cos(turn), cos(tilt)))
+    forward = (target - place) / np.linalg.norm(target - place)
+    right = np.cross(forward, (0.0, 0.0, 1.0))
+    right /= np.linalg.norm(right)
+    depths = (points - place) @ forward
+    across, upright = (points - place) @ right, (points - place) @ np.cross(right, forward)
+    return np.column_stack((across / depths, upright / depths, depths))

@@ -7,9 +7,8 @@ from math import sqrt
 
 import numpy as np
 
-from ...scheduler.chain import parents_first
+from ...scheduler.poses import WorldPoses
 from ...scheduler.scene import FloatArray, Mesh, Scene, Shape
-from ...scheduler.snapshot import world_poses
 from .document import Findings
 from .errors import Where, counted
 from .limits import COARSE_PLACE, COARSE_TERMS, UNLIKELY_RATIO
@@ -116,8 +115,8 @@ def _coarsest(lengths: dict[int, float], features: dict[int, float], most: float
 
 def _distances(scene: Scene, centres: dict[int, FloatArray]) -> dict[int, float]:
     """Return how far (m) from the world's origin a shape's centre gets, by body, at the scene's start and end."""
-    order = parents_first(scene.bodies)
-    poses = [world_poses(scene.bodies, order, time) for time in (scene.start, scene.end)]
+    world_poses = WorldPoses(scene.bodies)
+    poses = [world_poses.at(time) for time in (scene.start, scene.end)]
     return {
         index: max(
             float(np.linalg.norm(own @ world[index, :3, :3].T + world[index, :3, 3], axis=1).max()) for world in poses

@@ -22,6 +22,7 @@ FIXED: tuple[RGB, ...] = ((0.60, 0.62, 0.65), (0.70, 0.69, 0.66), (0.52, 0.55, 0
 RED: RGB = (0.90, 0.22, 0.20)
 AMBER: RGB = (0.96, 0.70, 0.20)
 YELLOW: RGB = (1.00, 0.95, 0.20)
+WHITE: RGB = (1.0, 1.0, 1.0)
 GREEN: RGB = (0.36, 0.78, 0.42)
 
 
@@ -43,9 +44,10 @@ class ClearanceScale:
         if distance <= self.near:
             return RED
         share = min(1.0, log10(distance / self.near) / log10(self.far / self.near))
-        return _mixed(RED, AMBER, 2.0 * share) if share < 0.5 else _mixed(AMBER, GREEN, 2.0 * share - 1.0)
+        return mixed(RED, AMBER, 2.0 * share) if share < 0.5 else mixed(AMBER, GREEN, 2.0 * share - 1.0)
 
 
-def _mixed(one: RGB, other: RGB, share: float) -> RGB:
+def mixed(one: RGB, other: RGB, share: float) -> RGB:
+    """Return a colour on the way from one to another, which a share of 1 reaches."""
     red, green, blue = (a + share * (b - a) for a, b in zip(one, other, strict=True))
     return (red, green, blue)

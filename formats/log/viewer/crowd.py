@@ -10,6 +10,7 @@ import numpy as np
 from foxglove_schemas_protobuf.SceneEntity_pb2 import SceneEntity
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from google.protobuf.timestamp_pb2 import Timestamp
+from numpy.typing import NDArray
 
 from ....scheduler.scene import FloatArray
 from .colours import RGB
@@ -60,16 +61,22 @@ class Crowd:
     def __len__(self) -> int:
         return len(self._members)
 
-    def update(self, stamp: Timestamp, poses: FloatArray) -> bytes:
-        """Return a SceneUpdate with the boxes of all members, given every body's pose (n, 4, 4) in the world now.
+    def update(self, stamp: Timestamp, poses: FloatArray, there: NDArray[np.bool_]) -> bytes:
+        """Return a SceneUpdate with the boxes of the members that exist.
 
         The one entity takes the place of that of any message before: there is nothing to delete.
+
+        Args:
+            stamp: of the instant.
+            poses: (n, 4, 4) world_from_body of every body then.
+            there: (n,) which of them exist then.
         """
-        now = poses[self._members]
-        places = now[:, :3, 3] + np.einsum("nij,nj->ni", now[:, :3, :3], self._middles)
+        drawn = there[self._members]
+        now = poses[self._members[drawn]]
+        places = now[:, :3, 3] + np.einsum("nij,nj->ni", now[:, :3, :3], self._middles[drawn])
         turns = quaternions(now[:, :3, :3])
-        columns = (_rounded(places, self._step), _rounded(turns, _TURN_STEP), self._sizes, self._colours)
-        cubes = self._template.copy()
+        columns = (_rounded(places, self._step), _rounded(turns, _TURN_STEP), self._sizes[drawn], self._colours[drawn])
+        cubes = self._template[: len(now)].copy()
         cubes[:, _HOLES.ravel()] = np.hstack(columns).astype("<f8").view(np.uint8)
         name = f"{len(self)} boxes"
         head: bytes = SceneEntity(timestamp=stamp, frame_id=WORLD, id=name, frame_locked=True).SerializeToString()

@@ -1,20 +1,23 @@
-"""The bodies as scene entities: drawn once for the run, or as a crowd of boxes, and in red while in contact."""
+"""The bodies as scene entities: drawn while they exist, or as a crowd of boxes, and in red while in contact."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from foxglove_schemas_protobuf.SceneEntity_pb2 import SceneEntity
-from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from google.protobuf.timestamp_pb2 import Timestamp
+from numpy.typing import NDArray
 
-from ....scheduler.scene import Body, FloatArray
+from ....scheduler.scene import Body, FloatArray, Scene
+from ....scheduler.snapshot import changes_of_existence
 from .colours import FIXED, MOVING, RED, RGB, colour
 from .crowd import Crowd
 from .drawings import Drawings
+from .markers import line
 from .transforms import WORLD
-from .wire import embedded
+from .wire import scene_update
 
 # Bodies let the markers on them and in them show.
 _OPACITY = 0.65
@@ -28,7 +31,33 @@ _MOST_IN_RED = 5_000
 _SKIN = 0.004
 _RAISED = 0.05
 
+# How far the origins of what stands still lie below the scene, in its sizes; and how much a foot's height counts.
+_BELOW = 4.0
+_STEEPNESS = 20.0
+
+# A body that measures less than this share of the scene has a dot of so many pixels at its place, which is seen from
+# anywhere.
+_SMALL = 0.008
+_DOT_PIXELS = 8.0
+
 _IDENTITY: FloatArray = np.eye(4)
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """How bodies are shown.
+
+    Attributes:
+        framed: of each body, whether it moves and has a frame of its own.
+        triangles: how many may be drawn in all; first come, first served.
+        size: m, the diagonal of all that the bodies reach.
+        top: m, the highest that they reach.
+    """
+
+    framed: Sequence[bool]
+    triangles: int
+    size: float
+    top: float
 
 
 class BodyEntities:
@@ -41,43 +70,37 @@ class BodyEntities:
         crowd: the bodies without an entity of their own; None if there are none.
     """
 
-    def __init__(
-        self,
-        bodies: Sequence[Body],
-        moving: Sequence[bool],
-        framed: Sequence[bool],
-        poses: FloatArray,
-        drawings: Drawings,
-        triangles: int,
-    ) -> None:
+    def __init__(self, scene: Scene, moving: Sequence[bool], poses: FloatArray, drawings: Drawings, look: Look) -> None:
         """Take the bodies and which of them ever move.
 
         Args:
-            bodies: in document order.
+            scene: whose bodies.
             moving: of each body, whether it ever moves.
-            framed: of each body, whether it moves and has a frame of its own.
             poses: (n, 4, 4) world_from_body at the start, which bodies that do not move keep.
             drawings: of the same bodies.
-            triangles: how many may be drawn in all; first come, first served.
+            look: how they are shown.
         """
+        bodies, framed = scene.bodies, look.framed
         self._bodies = bodies
         self._framed = framed
+        self._look = look
         self._poses = poses
         self._drawings = drawings
         self._colours = _colours(bodies, moving)
         crowded = [bool(body.shapes) and moving[k] and not framed[k] for k, body in enumerate(bodies)]
         self._single = [index for index, body in enumerate(bodies) if body.shapes and not crowded[index]]
-        counts = [0 if apart else count for count, apart in zip(drawings.triangles, crowded, strict=True)]
-        self._exact = _affordable(counts, triangles)
+        times = _times_drawn(scene)
+        counts = [0 if crowded[k] else count * times[k] for k, count in enumerate(drawings.triangles)]
+        self._exact = _affordable(counts, look.triangles)
         self.boxed = sum(1 for index in self._single if not self._exact[index])
         members = [index for index, apart in enumerate(crowded) if apart]
         colours = [self._colours[index] for index in members]
         self.crowd = Crowd(members, drawings.outlines, colours, _OPACITY, poses) if members else None
 
-    def all(self, stamp: Timestamp) -> bytes:
-        """Return a SceneUpdate with every body that has a shape and is not of the crowd."""
-        entities = [self._entity(index, stamp, self._drawn(index)) for index in self._single]
-        return b"".join(embedded(SceneUpdate.ENTITIES_FIELD_NUMBER, entity) for entity in entities)
+    def all(self, stamp: Timestamp, there: NDArray[np.bool_]) -> bytes:
+        """Return a SceneUpdate with the bodies that exist (n,), have a shape and are not of the crowd."""
+        shown = [index for index in self._single if there[index]]
+        return scene_update(stamp, [self._entity(k, stamp, self._drawn(k) + self._dot(k)) for k in shown])
 
     def in_red(self, index: int, stamp: Timestamp, world_from_body: FloatArray) -> bytes:
         """Return the entity that covers a body in red, given its pose (4x4) now.
@@ -98,15 +121,52 @@ class BodyEntities:
         heights = self._drawings.outlines[index] @ world_from_body[2, :3]
         return float(heights.max() + world_from_body[2, 3])
 
+    def front(self, index: int, world_from_body: FloatArray, point: FloatArray, direction: FloatArray) -> float:
+        """Return how far (m) a body reaches beyond a point (3,) of the world in a unit direction; errs low."""
+        local = world_from_body[:3, :3].T @ direction
+        reached = self._drawings.outlines[index] @ local
+        return float(reached.max() + (world_from_body[:3, 3] - point) @ direction)
+
+    def peak(self, index: int, world_from_body: FloatArray) -> FloatArray:
+        """Return the point (3,) m of the world over a body's middle, as high as its highest, at a pose (4x4)."""
+        placed = self._drawings.outlines[index] @ world_from_body[:3, :3].T + world_from_body[:3, 3]
+        peak: FloatArray = 0.5 * (placed.min(axis=0) + placed.max(axis=0))
+        peak[2] = placed[:, 2].max()
+        return peak
+
+    def rgb(self, index: int) -> RGB:
+        """Return the colour of a body."""
+        return self._colours[index]
+
+    def _dot(self, index: int) -> bytes:
+        """Return what makes a small body noticed."""
+        marks = SceneEntity()
+        outline, place = self._drawings.outlines[index], self._placement(index, self._poses[index])
+        (lx, ly, lz), (hx, hy, hz) = ((place @ (*end, 1.0))[:3].tolist() for end in (outline.min(0), outline.max(0)))
+        if np.linalg.norm((hx - lx, hy - ly, hz - lz)) < _SMALL * self._look.size:
+            marks.lines.append(line((lx, ly, lz), (hx, hy, hz), self._colours[index], _DOT_PIXELS))
+        data: bytes = marks.SerializeToString()
+        return data
+
     def _drawn(self, index: int) -> bytes:
         placement, paint = self._placement(index, self._poses[index]), colour(self._colours[index], _OPACITY)
         if not self._exact[index]:
             return self._drawings.box(index, placement, paint)
         if self._framed[index] or self._drawings.triangles[index] == 0:
             return self._drawings.exact(index, placement, paint)
-        # What stands still is painted from its foot, before what moves in it and on it.
-        foot = self._drawings.outlines[index][np.argmin(self._drawings.outlines[index] @ placement[2, :3])]
-        return self._drawings.triangulated(index, placement, paint, foot)
+        return self._drawings.triangulated(index, placement, paint, self._depth(index))
+
+    def _depth(self, index: int) -> FloatArray:
+        """Return the origin (3,) m, in its own frame, of what stands still: so far below that it is painted first.
+
+        That is before all that moves; and what has its foot lower comes before what stands on it.
+        """
+        outline, pose = self._drawings.outlines[index], self._poses[index]
+        placed = outline @ pose[:3, :3].T + pose[:3, 3]
+        origin = 0.5 * (placed.min(axis=0) + placed.max(axis=0))
+        origin[2] = self._look.top - _BELOW * self._look.size - _STEEPNESS * (self._look.top - placed[:, 2].min())
+        depth: FloatArray = (origin - pose[:3, 3]) @ pose[:3, :3]
+        return depth
 
     def _placement(self, index: int, world_from_body: FloatArray) -> FloatArray:
         """Return the pose (4x4) of a body in its entity's frame, given that in the world."""
@@ -117,6 +177,14 @@ class BodyEntities:
         frame = name if self._framed[index] else WORLD
         head: bytes = SceneEntity(timestamp=stamp, frame_id=frame, id=name, frame_locked=True).SerializeToString()
         return head + primitives
+
+
+def _times_drawn(scene: Scene) -> list[int]:
+    """Return how often each body is drawn: at the start and whenever any appears or vanishes, while it exists."""
+    times = np.array([scene.start, *changes_of_existence(scene)])
+    from_, to = np.array([body.exists for body in scene.bodies]).reshape(-1, 2).T
+    drawn: list[int] = (np.searchsorted(times, to) - np.searchsorted(times, from_)).tolist()
+    return drawn
 
 
 def _affordable(triangles: Sequence[int], most: int) -> list[bool]:

@@ -3,76 +3,27 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
-from math import atan2, ceil, cos, degrees, floor, log10, radians, sin, tan
+from collections.abc import Sequence
+from math import ceil, floor, log10
 from typing import Any
 
-import numpy as np
-
-from ....scheduler.scene import FloatArray
+from .camera import FIELD_OF_VIEW, Camera
 from .reach import Reach
 from .transforms import WORLD
-
-_FIELD_OF_VIEW = 45.0  # degrees, upright
-_ASPECT = 1.05  # width by height of the 3D panel, while the sidebar is open
-_FILL = 0.92  # of the panel's half height and width
-
-# Seen from a side and above; what is flat is seen more from above. Degrees from the z axis.
-_SLANT, _SLANT_OF_FLAT, _FLATNESS = 62.0, 38.0, 0.2
-
-# Degrees off the direction across which motion spreads most: what is square is not seen face on.
-_OBLIQUE = 20.0
-
-# As wide as long, nearly: such motion has no direction, and is seen along y.
-_ROUND = 0.8
 
 _GRID_CELLS = 10  # across the scene, or fewer by up to a factor 2.5
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Camera:
-    """Where the camera looks at (m, world), from how far (m), and from where.
-
-    Attributes:
-        phi: degrees from the z axis.
-        theta: degrees about the z axis; from 0 the camera looks along y, from 90 along x.
-    """
-
-    target: FloatArray
-    distance: float
-    phi: float
-    theta: float
-
-
-def camera(reach: Reach) -> Camera:
-    """Return a camera that has all in view, as near as it may be."""
-    x, y, z = (reach.high - reach.low).tolist()
-    phi = _SLANT_OF_FLAT if z < _FLATNESS * max(x, y) else _SLANT
-    theta = _bearing(reach)
-    axes = _axes(phi, theta)
-    across, upright, depth = np.ascontiguousarray((reach.points @ axes.T).T)
-    target = axes @ (0.5 * (reach.low + reach.high))
-    high, distance = _FILL * tan(radians(_FIELD_OF_VIEW / 2.0)), reach.size
-    for _ in range(8):  # the picture of the points comes nearer to the middle with each round
-        depths = np.maximum(distance + depth - target[2], 1e-3 * reach.size)
-        for axis, seen in enumerate((across, upright)):
-            slopes = (seen - target[axis]) / depths
-            target[axis] += 0.5 * distance * (slopes.min() + slopes.max())
-        widths = np.maximum(np.abs(across - target[0]) / _ASPECT, np.abs(upright - target[1])) / high
-        distance = max(float((widths - depth).max() + target[2]), 0.1 * reach.size)
-    return Camera(target @ axes, distance, phi, theta)
-
-
-def layout(reach: Reach, labelled: bool, crowded: bool = False) -> bytes:
+def layout(reach: Reach, view: Camera, topics: Sequence[str]) -> bytes:
     """Return the layout as JSON.
 
     Args:
-        reach: what the camera must see.
-        labelled: whether moving bodies bear their names.
-        crowded: whether there are bodies on /scene/boxes.
+        reach: where the bodies get to.
+        view: from where they are seen.
+        topics: what is drawn.
     """
     panels = {
-        "3D!scene": _scene_panel(reach, labelled, crowded),
+        "3D!scene": _scene_panel(reach, view, topics),
         "Plot!distance": _plot_panel(),
         "StateTransitions!states": _states_panel(),
         "Table!pairs": {"topicPath": "/world.pairs"},
@@ -91,36 +42,7 @@ def layout(reach: Reach, labelled: bool, crowded: bool = False) -> bytes:
     return (json.dumps(document, indent=1, allow_nan=False) + "\n").encode()
 
 
-def _bearing(reach: Reach) -> float:
-    """Return theta from which motion is seen in its full width, from the side where it takes place."""
-    if len(reach.moving) < 2:
-        return _OBLIQUE
-    flat = reach.moving[:, :2]
-    spreads, directions = np.linalg.eigh(np.cov(flat, rowvar=False))
-    if spreads[0] > _ROUND * spreads[1]:
-        return _OBLIQUE
-    x, y = directions[:, 0]  # across the widest spread
-    aside = flat.mean(axis=0) - 0.5 * (reach.low + reach.high)[:2]
-    towards = float(aside @ (x, y))
-    if abs(towards) < 0.02 * reach.size:
-        towards = -y  # no side is better: from the front
-    side = 1.0 if towards >= 0.0 else -1.0
-    return degrees(atan2(-side * x, -side * y)) + _OBLIQUE
-
-
-def _axes(phi: float, theta: float) -> FloatArray:
-    """Return unit vectors to the right, up and forward of a camera, in the world, as rows (3, 3)."""
-    tilt, turn = radians(phi), radians(theta)
-    right = np.array((cos(turn), -sin(turn), 0.0))
-    forward = np.array((sin(tilt) * sin(turn), sin(tilt) * cos(turn), -cos(tilt)))
-    return np.array((right, np.cross(right, forward), forward))
-
-
-def _scene_panel(reach: Reach, labelled: bool, crowded: bool) -> dict[str, Any]:
-    view = camera(reach)
-    topics: dict[str, Any] = {name: {"visible": True} for name in ("/scene/meshes", "/viz/clearance", "/viz/contacts")}
-    if crowded:
-        topics["/scene/boxes"] = {"visible": True, "showOutlines": False}  # white edges would hide their colours
+def _scene_panel(reach: Reach, view: Camera, topics: Sequence[str]) -> dict[str, Any]:
     return {
         "cameraState": {
             "perspective": True,
@@ -130,7 +52,7 @@ def _scene_panel(reach: Reach, labelled: bool, crowded: bool) -> dict[str, Any]:
             "targetOffset": [_plain(value) for value in view.target.tolist()],
             "target": [0, 0, 0],
             "targetOrientation": [0, 0, 0, 1],
-            "fovy": _FIELD_OF_VIEW,
+            "fovy": FIELD_OF_VIEW,
             "near": _plain(1e-3 * view.distance),
             "far": _plain(100.0 * view.distance),
         },
@@ -138,14 +60,14 @@ def _scene_panel(reach: Reach, labelled: bool, crowded: bool) -> dict[str, Any]:
         "followTf": WORLD,
         "scene": {
             "transforms": {
-                "showLabel": labelled,
+                "showLabel": False,
                 "labelSize": _plain(0.018 * reach.size),
                 "axisScale": 0.0,
                 "lineWidth": 0,
             }
         },
         "transforms": {f"frame:{WORLD}": {"visible": False}},
-        "topics": topics,
+        "topics": {name: {"visible": True, "showOutlines": False} for name in topics},  # white edges hide colours
         "layers": {"grid": _grid(reach)},
         "publish": {},
     }

@@ -2,29 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from math import dist
 
+import numpy as np
 from foxglove_schemas_protobuf.LinePrimitive_pb2 import LinePrimitive
 from foxglove_schemas_protobuf.Point3_pb2 import Point3
 from foxglove_schemas_protobuf.Pose_pb2 import Pose
 from foxglove_schemas_protobuf.Quaternion_pb2 import Quaternion
 from foxglove_schemas_protobuf.SceneEntity_pb2 import SceneEntity
-from foxglove_schemas_protobuf.SceneEntityDeletion_pb2 import SceneEntityDeletion
-from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from foxglove_schemas_protobuf.SpherePrimitive_pb2 import SpherePrimitive
 from foxglove_schemas_protobuf.Vector3_pb2 import Vector3
 from google.protobuf.timestamp_pb2 import Timestamp
 
 from ....scheduler.events import Nearness, Point
-from .colours import RED, RGB, YELLOW, ClearanceScale, colour
+from ....scheduler.scene import FloatArray
+from .camera import Camera
+from .colours import RED, RGB, WHITE, YELLOW, ClearanceScale, colour, mixed
 from .transforms import WORLD
-from .wire import embedded
+from .wire import scene_update
 
 _LINE_PIXELS = 4.0
 _STALK_PIXELS = 1.0
 _TEXT_PIXELS = 15.0
+
+# Halves of the picture's height, in a window of 1000 pixels: how wide and high a letter is.
+_LETTER_WIDTH = 0.032
+_LETTER_HEIGHT = 0.07
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,9 +53,9 @@ class MarkerSizes:
         return 0.04 * self.size
 
     @property
-    def apart(self) -> float:
-        """m: figures nearer to each other would cover each other, from where the layout looks."""
-        return 0.08 * self.size
+    def farthest_front(self) -> float:
+        """m: figures come no farther towards the eye than this, out of the bodies that they would be hidden in."""
+        return 0.12 * self.size
 
     @property
     def scale(self) -> ClearanceScale:
@@ -59,47 +63,79 @@ class MarkerSizes:
         return ClearanceScale(1e-3 * self.size, 0.1 * self.size)
 
 
-def clearances(near: Iterable[tuple[str, Nearness]], sizes: MarkerSizes, stamp: Timestamp) -> bytes:
-    """Return a SceneUpdate with a line between each pair's witness points and a figure over its middle.
+class CallOuts:
+    """The texts in one picture, from where the layout looks: none covers another."""
 
-    Where figures would cover each other, that of the nearest pair is told alone.
+    def __init__(self, view: Camera) -> None:
+        """Start with none."""
+        self._view = view
+        self._told: list[tuple[float, float, float]] = []
+
+    def room(self, point: FloatArray, text: str) -> bool:
+        """Tell whether a text at a point (3,) m would be seen whole, and keep the room for it if so."""
+        x, y = self._view.picture(point)
+        half = 0.5 * _LETTER_WIDTH * (len(text) + 1)
+        for x_told, y_told, half_told in self._told:
+            if abs(x - x_told) < half + half_told and abs(y - y_told) < _LETTER_HEIGHT:
+                return False
+        self._told.append((x, y, half))
+        return True
+
+
+def clearances(
+    near: Iterable[tuple[str, Nearness]],
+    front: Callable[[Nearness, FloatArray], FloatArray],
+    sizes: MarkerSizes,
+    told: CallOuts,
+    stamp: Timestamp,
+) -> bytes:
+    """Return a SceneUpdate with a line between each pair's witness points and, where there is room, a figure over it.
 
     Args:
-        near: pairs by name, nearest first.
+        near: pairs by name, nearest first, whose figure has precedence.
+        front: how far (3,) m from a point towards the eye the pair's bodies would hide a text there.
         sizes: of the scene.
+        told: the texts that are there already.
         stamp: of the instant.
     """
-    told: list[Point] = []
     entities = []
+    stalk = np.array((0.0, 0.0, sizes.stalk))
     for pair, nearness in near:
-        (ax, ay, az), (bx, by, bz) = nearness.witness_a, nearness.witness_b
-        middle = (0.5 * (ax + bx), 0.5 * (ay + by), 0.5 * (az + bz))
         rgb = sizes.scale.rgb(nearness.distance)
         entity = SceneEntity(timestamp=stamp, frame_id=WORLD, id=pair, frame_locked=True)
-        entity.lines.append(_line(nearness.witness_a, nearness.witness_b, rgb, _LINE_PIXELS))
-        if all(dist(middle, other) > sizes.apart for other in told):
-            told.append(middle)
-            _call_out(entity, middle, sizes.stalk, figure(nearness.distance), rgb)
+        entity.lines.append(line(nearness.witness_a, nearness.witness_b, rgb, _LINE_PIXELS))
+        middle = 0.5 * (np.array(nearness.witness_a) + np.array(nearness.witness_b))
+        text = figure(nearness.distance)
+        if told.room(middle + stalk, text):
+            _call_out(entity, middle, middle + front(nearness, middle) + stalk, text, rgb)
         entities.append(entity.SerializeToString())
-    return update(stamp, entities)
+    return scene_update(stamp, entities)
 
 
-def contact(pair: str, point: Point, roof: float, sizes: MarkerSizes, stamp: Timestamp) -> bytes:
+def contact(pair: str, point: Point, roof: float, sizes: MarkerSizes, told: CallOuts, stamp: Timestamp) -> bytes:
     """Return the SceneEntity that marks where a pair touches, told over the bodies' `roof` (m, z) if it is not far."""
     diameter = Vector3(x=sizes.contact, y=sizes.contact, z=sizes.contact)
     ball = SpherePrimitive(pose=_at(point), size=diameter, color=colour(YELLOW))
     entity = SceneEntity(timestamp=stamp, frame_id=WORLD, id=pair, frame_locked=True, spheres=[ball])
     height = min(max(0.0, roof - point[2]) + sizes.stalk, 8.0 * sizes.stalk)
-    _call_out(entity, point, height, "contact", RED)
+    foot = np.array(point)
+    top = foot + np.array((0.0, 0.0, height))
+    if told.room(top, "contact"):
+        _call_out(entity, foot, top, "contact", RED)
     data: bytes = entity.SerializeToString()
     return data
 
 
-def update(stamp: Timestamp, entities: Iterable[bytes]) -> bytes:
-    """Return a SceneUpdate that deletes all that its topic showed, and shows these entities."""
-    everything = SceneEntityDeletion(timestamp=stamp, type=SceneEntityDeletion.ALL)
-    cleared: bytes = SceneUpdate(deletions=[everything]).SerializeToString()
-    return cleared + b"".join(embedded(SceneUpdate.ENTITIES_FIELD_NUMBER, entity) for entity in entities)
+def names(tags: Iterable[tuple[str, FloatArray, RGB]], sizes: MarkerSizes, told: CallOuts, stamp: Timestamp) -> bytes:
+    """Return a SceneUpdate with the names of bodies where there is room: each with the point under it, and colour."""
+    entities = []
+    for name, point, rgb in tags:
+        top = point + np.array((0.0, 0.0, 0.5 * sizes.stalk))
+        if told.room(top, name):
+            entity = SceneEntity(timestamp=stamp, frame_id=WORLD, id=name, frame_locked=True)
+            _text(entity, top, name, mixed(rgb, WHITE, 0.5))
+            entities.append(entity.SerializeToString())
+    return scene_update(stamp, entities)
 
 
 def figure(distance: float) -> str:
@@ -116,17 +152,23 @@ def _three_digits(value: float) -> str:
     return f"{value:.{decimals}f}"
 
 
-def _call_out(entity: SceneEntity, point: Point, height: float, text: str, rgb: RGB) -> None:
-    """Add a text over a point, on a stalk of some height (m): at the point it would hide what it speaks of."""
-    x, y, z = point
-    top = (x, y, z + height)
-    entity.lines.append(_line(point, top, rgb, _STALK_PIXELS))
+def _call_out(entity: SceneEntity, foot: FloatArray, top: FloatArray, text: str, rgb: RGB) -> None:
+    """Add a text at the top of a stalk: at the foot it would hide what it speaks of."""
+    (fx, fy, fz), (x, y, z) = foot.tolist(), top.tolist()
+    entity.lines.append(line((fx, fy, fz), (x, y, z), rgb, _STALK_PIXELS))
+    _text(entity, top, text, rgb)
+
+
+def _text(entity: SceneEntity, place: FloatArray, text: str, rgb: RGB) -> None:
+    """Add a text that is as large from anywhere."""
+    x, y, z = place.tolist()
     entity.texts.add(
-        pose=_at(top), billboard=True, font_size=_TEXT_PIXELS, scale_invariant=True, color=colour(rgb), text=text
+        pose=_at((x, y, z)), billboard=True, font_size=_TEXT_PIXELS, scale_invariant=True, color=colour(rgb), text=text
     )
 
 
-def _line(start: Point, end: Point, rgb: RGB, pixels: float) -> LinePrimitive:
+def line(start: Point, end: Point, rgb: RGB, pixels: float) -> LinePrimitive:
+    """Return a line that is so many pixels wide from anywhere."""
     return LinePrimitive(
         type=LinePrimitive.LINE_STRIP,
         pose=_at((0.0, 0.0, 0.0)),

@@ -8,9 +8,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ....scheduler.chain import parents_first
+from ....scheduler.poses import WorldPoses
 from ....scheduler.scene import FloatArray, Scene
-from ....scheduler.snapshot import world_poses
+from ....scheduler.snapshot import changes_of_existence, existing
 
 # At most this many instants are looked at, and in large scenes so many that this many poses suffice (5 us each).
 _MOST_INSTANTS = 101
@@ -19,7 +19,7 @@ _MOST_POSES = 30_000
 
 @dataclass(frozen=True, eq=False)
 class Reach:
-    """Where the bodies are at instants spread over the run, m in the world.
+    """Where the bodies that exist are at instants spread over the run, m in the world.
 
     Attributes:
         points: (k, 3) that span all bodies; at least one.
@@ -59,9 +59,14 @@ def reach(scene: Scene, outlines: FloatArray, moving: Sequence[bool]) -> Reach:
     if not shown:
         return Reach(np.zeros((1, 3)), np.zeros((0, 3)))
     instants = int(np.clip(_MOST_POSES // len(scene.bodies), 3, _MOST_INSTANTS))
-    order = parents_first(scene.bodies)
-    times = np.linspace(scene.start, scene.end, instants).tolist()
-    poses = np.array([world_poses(scene.bodies, order, time) for time in times])[:, shown]
+    changes = changes_of_existence(scene)
+    times = [*np.linspace(scene.start, scene.end, instants).tolist(), *changes[:: 1 + len(changes) // instants]]
+    world_poses = WorldPoses(scene.bodies)
+    poses = np.array([world_poses.at(time) for time in times])[:, shown]
+    there = np.array([existing(scene, time) for time in times])[:, shown]
     turned: FloatArray = np.einsum("tnij,nkj->tnki", poses[..., :3, :3], outlines[shown])
     placed = turned + poses[:, :, None, :3, 3]
-    return Reach(placed.reshape(-1, 3), placed[:, np.array(moving)[shown]].reshape(-1, 3))
+    if not there.any():
+        return Reach(placed.reshape(-1, 3), np.zeros((0, 3)))
+    moves = there & np.array(moving)[shown]
+    return Reach(placed[there].reshape(-1, 3), placed[moves].reshape(-1, 3))

@@ -1,32 +1,36 @@
-"""A run as viewers see it: the bodies once, then every snapshot's frames, least distances, clearances and contacts."""
+"""A run as viewers see it: the bodies while they exist, and what every snapshot tells of them."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from math import nan
 
+import numpy as np
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from google.protobuf.timestamp_pb2 import Timestamp
 
-from ....scheduler.chain import lineage, parents_first
+from ....scheduler.chain import lineage
 from ....scheduler.events import Collision, Nearness, PairKey, Phase, Snapshot, Verdict
 from ....scheduler.motions import Fixed
+from ....scheduler.poses import WorldPoses
 from ....scheduler.scene import FloatArray, Scene
-from ....scheduler.snapshot import world_poses
+from ....scheduler.snapshot import existing
 from .. import messages_pb2 as pb
 from ..chunks import Channel
+from .camera import camera
 from .drawings import Drawings
-from .entities import BodyEntities
+from .entities import BodyEntities, Look
 from .layout import layout
-from .markers import MarkerSizes, clearances, contact, update
+from .markers import CallOuts, MarkerSizes, clearances, contact, names
 from .reach import reach
 from .transforms import TransformPacker
-from .wire import timestamp
+from .wire import scene_update, timestamp
 
-# Moving bodies. More of them do not bear their names, which would hide what they name.
-_MOST_LABELLED = 8
+# Moving bodies with shapes. More of them do not bear their names, which would hide what they name.
+_MOST_NAMED = 12
 
 # Moving bodies. The rest have no frame on /tf and no entity on /scene/meshes: Foxglove Studio goes through all frames
 # for every picture, and blocks for minutes where there are thousands.
@@ -39,7 +43,8 @@ class ViewerOptions:
 
     Attributes:
         pairs: how many of the nearest pairs are told and drawn, at most.
-        triangles: of the bodies' drawings in all; bodies that do not fit are drawn as their boxes.
+        triangles: of the bodies' drawings in all; bodies that do not fit are drawn as their boxes. All are drawn anew
+            whenever one appears or vanishes.
     """
 
     pairs: int = 10
@@ -65,35 +70,38 @@ class Viewer:
         moving = [any(not isinstance(bodies[i].motion, Fixed) for i in lineage(bodies, k)) for k in range(len(bodies))]
         self._frames = [index for index, moves in enumerate(moving) if moves][:_MOST_FRAMES]
         self._packer = self._packer_of(self._frames)
-        self._poses_at_start = world_poses(bodies, parents_first(bodies), scene.start)
+        self._poses_at_start = WorldPoses(bodies).at(scene.start)
+        self._there = existing(scene, scene.start)
         drawings = Drawings(bodies)
-        framed = set(self._frames)
-        self._entities = BodyEntities(
-            bodies,
-            moving,
-            [index in framed for index in range(len(bodies))],
-            self._poses_at_start,
-            drawings,
-            options.triangles,
-        )
         seen = reach(scene, drawings.outlines, moving)
+        self._view = camera(seen)
         self._sizes = MarkerSizes(seen.size)
+        framed = set(self._frames)
+        look = Look(
+            framed=[index in framed for index in range(len(bodies))],
+            triangles=options.triangles,
+            size=seen.size,
+            top=float(seen.high[2]),
+        )
+        self._entities = BodyEntities(scene, moving, self._poses_at_start, drawings, look)
         self._meshes = Channel("/scene/meshes", SceneUpdate)
         self._tf = Channel("/tf", FrameTransforms)
         self._world = Channel("/world", pb.World)
         self._clearance = Channel("/viz/clearance", SceneUpdate)
         self._contacts = Channel("/viz/contacts", SceneUpdate)
-        self.channels: tuple[Channel, ...] = (self._meshes, self._tf, self._world, self._clearance, self._contacts)
+        self._tags = Channel("/viz/names", SceneUpdate)
+        named = [index for index in self._frames if bodies[index].shapes]
+        self._named = named if len(named) <= _MOST_NAMED else []
         self._boxes = Channel("/scene/boxes", SceneUpdate)
-        crowded = self._entities.crowd is not None
-        if crowded:
-            self.channels += (self._boxes,)
+        drawn = [self._meshes, self._clearance, self._contacts]
+        drawn += [self._tags] * bool(self._named) + [self._boxes] * (self._entities.crowd is not None)
+        self.channels: tuple[Channel, ...] = (self._tf, self._world, *drawn)
         self.remarks = self._remarks()
-        self.layout = layout(seen, labelled=len(self._frames) <= _MOST_LABELLED, crowded=crowded)
+        self.layout = layout(seen, self._view, [channel.name for channel in drawn])
 
     def opening(self, log_time: int) -> Iterator[tuple[Channel, bytes]]:
         """Yield the bodies and where they are at the start, `log_time` in ns: without ticks, all that is known."""
-        yield self._meshes, self._entities.all(timestamp(log_time))
+        yield self._meshes, self._entities.all(timestamp(log_time), self._there)
         yield from self._placed(self._poses_at_start, timestamp(log_time))
 
     def shown(self, snapshot: Snapshot, log_time: int) -> Iterator[tuple[Channel, bytes]]:
@@ -104,18 +112,26 @@ class Viewer:
             if frames:
                 yield self._tf, self._packer_of(frames).pack(stamp, snapshot.poses[frames])
         elif snapshot.time != self._start:  # the opening told where all is at the start
+            if not np.array_equal(snapshot.there, self._there):
+                self._there = snapshot.there
+                yield self._meshes, self._entities.all(stamp, self._there)
             yield from self._placed(snapshot.poses, stamp)
         yield self._world, self._told(snapshot, stamp)
+        told = CallOuts(self._view)
+        yield self._contacts, self._touching(snapshot, told, stamp)
         apart = (near for near in snapshot.nearest[: self._options.pairs] if 0.0 < near.distance < self._sizes.farthest)
-        yield self._clearance, clearances(((self._pair_name(near.pair), near) for near in apart), self._sizes, stamp)
-        yield self._contacts, self._touching(snapshot, stamp)
+        lines = ((self._pair_name(near.pair), near) for near in apart)
+        front = partial(self._front, snapshot.poses)
+        yield self._clearance, clearances(lines, front, self._sizes, told, stamp)
+        if self._named:
+            yield self._tags, self._called(snapshot, told, stamp)
 
     def _placed(self, poses: FloatArray, stamp: Timestamp) -> Iterator[tuple[Channel, bytes]]:
         """Yield where all that moves is, given every body's pose (n, 4, 4) in the world."""
         if self._frames:
             yield self._tf, self._packer.pack(stamp, poses[self._frames])
         if self._entities.crowd is not None:
-            yield self._boxes, self._entities.crowd.update(stamp, poses)
+            yield self._boxes, self._entities.crowd.update(stamp, poses, self._there)
 
     def _remarks(self) -> list[str]:
         remarks = []
@@ -137,15 +153,29 @@ class Viewer:
         data: bytes = world.SerializeToString()
         return data
 
-    def _touching(self, snapshot: Snapshot, stamp: Timestamp) -> bytes:
+    def _front(self, poses: FloatArray, near: Nearness, point: FloatArray) -> FloatArray:
+        """Return how far (3,) m from a point (3,) towards the eye both bodies of a pair reach, within limits."""
+        direction = self._view.place - point
+        direction /= np.linalg.norm(direction)
+        reached = max(self._entities.front(body, poses[body], point, direction) for body in (near.pair.a, near.pair.b))
+        front: FloatArray = min(reached, self._sizes.farthest_front) * direction
+        return front
+
+    def _called(self, snapshot: Snapshot, told: CallOuts, stamp: Timestamp) -> bytes:
+        """Return the names over moving bodies, where there is room."""
+        bodies = [index for index in self._named if snapshot.there[index]]
+        tags = [(self._names[k], self._entities.peak(k, snapshot.poses[k]), self._entities.rgb(k)) for k in bodies]
+        return names(tags, self._sizes, told, stamp)
+
+    def _touching(self, snapshot: Snapshot, told: CallOuts, stamp: Timestamp) -> bytes:
         touching = [near for near in snapshot.nearest if _stays_in_contact(near, snapshot.occasion)]
         bodies = sorted({body for near in touching for body in (near.pair.a, near.pair.b)})
         red = [self._entities.in_red(body, stamp, snapshot.poses[body]) for body in bodies]
         marks = []
         for near in touching:
             roof = max(self._entities.roof(body, snapshot.poses[body]) for body in (near.pair.a, near.pair.b))
-            marks.append(contact(self._pair_name(near.pair), near.witness_a, roof, self._sizes, stamp))
-        return update(stamp, [*red, *marks])
+            marks.append(contact(self._pair_name(near.pair), near.witness_a, roof, self._sizes, told, stamp))
+        return scene_update(stamp, [*red, *marks])
 
     def _frames_of(self, pair: PairKey) -> list[int]:
         """Return the moving bodies in the chains of a pair's two, in document order."""

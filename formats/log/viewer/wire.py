@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
+from foxglove_schemas_protobuf.SceneEntityDeletion_pb2 import SceneEntityDeletion
+from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from google.protobuf.timestamp_pb2 import Timestamp
 from numpy.typing import NDArray
 
@@ -53,3 +57,10 @@ def timestamp(log_time: int) -> Timestamp:
     """Return a log time, ns >= 0, as a message."""
     seconds, nanos = divmod(log_time, NANOSECONDS_PER_SECOND)
     return Timestamp(seconds=seconds, nanos=nanos)
+
+
+def scene_update(stamp: Timestamp, entities: Iterable[bytes]) -> bytes:
+    """Return a SceneUpdate that deletes all that its topic showed, and shows these entities."""
+    everything = SceneEntityDeletion(timestamp=stamp, type=SceneEntityDeletion.ALL)
+    cleared: bytes = SceneUpdate(deletions=[everything]).SerializeToString()
+    return cleared + b"".join(embedded(SceneUpdate.ENTITIES_FIELD_NUMBER, entity) for entity in entities)
