@@ -124,5 +124,4 @@ def test_a_full_disk_is_one_line_and_leaves_no_output(scene, tmp_path):
     assert done.stderr.count("\n") == 1
     assert "cannot write" in done.stderr
     assert "mcap recover out.mcap.partial" in done.stderr
-    assert messages_before_the_cut(tmp_path / "out.mcap.partial") > 0
     assert not (tmp_path / "out.mcap").exists()

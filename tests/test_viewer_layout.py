@@ -7,7 +7,7 @@ from math import cos, radians, sin, tan
 
 import numpy as np
 import pytest
-from viewer_logs import seen, show, write_scene
+from viewer_logs import seen, seen_by, show, write_scene
 
 from closecall.formats.log.viewer.camera import camera
 from closecall.formats.log.viewer.layout import layout
@@ -108,3 +108,34 @@ def floor_corners() -> list[tuple[float, float, float]]:
     return [
         (cos(turn) * x - sin(turn) * y, sin(turn) * x + cos(turn) * y, z) for x, y in corners for z in (-2.25, -1.75)
     ]
+
+
+SPECKS = """\
+closecall: 1
+units: {length: m, angle: deg}
+time: {start: 0, end: 2}
+bodies:
+  base: {shapes: [{box: [1, 1, 1]}]}
+  one: {pose: {xyz: [0, 0, 1000]}, shapes: [{sphere: 0.5}], motion: {type: constant, velocity: [1, 0, 0]}}
+  other: {pose: {xyz: [2, 2, 1000]}, shapes: [{sphere: 0.5}], motion: {type: constant, velocity: [-1, 0, 0]}}
+"""
+
+
+def test_bodies_too_small_to_be_seen_are_shown_close_up_as_well(tmp_path):
+    """The balls pass each other at 1 s, their centres 2 m apart."""
+    shown = show(write_scene(tmp_path, SPECKS), tmp_path / "out.mcap")
+    document = json.loads(shown.attachment("layout.json") or b"")
+    assert panels_in(document["layout"]) == set(document["configById"])
+    panel = document["configById"]["3D!close-up"]
+    assert (panel["followMode"], panel["followTf"]) == ("follow-position", "one")
+    assert panel["topics"] == document["configById"]["3D!scene"]["topics"]
+    view = panel["cameraState"]
+    ball = 0.5 * np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    slopes = seen_by(view, np.vstack((ball, ball + np.array((0.0, 2.0, 0.0)))))
+    assert np.abs(slopes[:, :2]).max() < tan(radians(22.5))
+    assert np.ptp(slopes[:4, :2]) > 0.1 * tan(radians(22.5)), "a ball is seen"
+
+
+def test_bodies_that_are_seen_need_no_close_up(tmp_path):
+    shown = show(write_scene(tmp_path), tmp_path / "out.mcap")
+    assert "3D!close-up" not in json.loads(shown.attachment("layout.json") or b"")["configById"]

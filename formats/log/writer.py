@@ -286,7 +286,7 @@ class LogWriter:
         self._chunks.flush()
         self._chunks.add_metadata(METADATA, self._identity | self._counts())
         if self._viewer is not None:
-            self._chunks.add_attachment(LAYOUT, "application/json", self._viewer.layout, self._start)
+            self._chunks.add_attachment(LAYOUT, "application/json", self._viewer.layout(summary), self._start)
         self._chunks.add_attachment(SUMMARY, "application/json", to_json(summary).encode(), self._end)
 
     def _counts(self) -> dict[str, str]:

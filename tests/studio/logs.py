@@ -6,6 +6,7 @@ import json
 import re
 import subprocess
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -84,10 +85,10 @@ def seconds(time_of_day: str) -> float:
     return (int(parts[1]) % 12 * 60 + int(parts[2])) * 60 + float(parts[3])
 
 
-def logs_of_samples(folder: Path) -> dict[str, Log]:
-    """Run the tool on every sample, by name; the logs go to the folder."""
+def logs_of_samples(folder: Path, names: Sequence[str] = NAMES) -> dict[str, Log]:
+    """Run the tool on samples; their logs, by name, go to the folder."""
     found = {}
-    for name in NAMES:
+    for name in names:
         found[name] = Log(folder / f"{name}.mcap")
         command = [sys.executable, "-m", "closecall", "run", SAMPLES / name / "scene.yaml", "-o", found[name].path]
         subprocess.run(list(map(str, command)), check=True, capture_output=True, timeout=120)

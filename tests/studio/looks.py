@@ -19,7 +19,7 @@ NOISE = (
     r"warn: Panel action resulted in identical config",
 )
 NOISE_BEFORE_THE_FIRST_FRAME = (
-    r'warn: \[general > followTf\] Frame "world" not found$',
+    r'warn: \[general > followTf\] Frame "\w+" not found$',
     r"warn: \[layers > \w+\] Missing transform from frame <world> to frame <\(none\)>$",
 )
 

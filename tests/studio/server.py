@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from mimetypes import guess_type
@@ -49,7 +49,8 @@ class _Handler(BaseHTTPRequestHandler):
         self.send_header("ETag", f'"{path.stat().st_mtime_ns}-{size}"')
         self.end_headers()
         if with_body:
-            self.wfile.write(data)
+            with suppress(ConnectionError):  # a browser that seeks asks for something else
+                self.wfile.write(data)
 
     def _file(self) -> Path | None:
         address = unquote(urlsplit(self.path).path)

@@ -134,17 +134,26 @@ class BodyEntities:
         peak[2] = placed[:, 2].max()
         return peak
 
+    def size(self, index: int) -> float:
+        """Return the diagonal (m) of a body's bounds in its own frame."""
+        return float(np.linalg.norm(np.ptp(self._drawings.outlines[index], axis=0)))
+
+    def is_small(self, index: int) -> bool:
+        """Tell whether a body is hardly seen in a picture of the whole scene."""
+        return self.size(index) < _SMALL * self._look.size
+
     def rgb(self, index: int) -> RGB:
         """Return the colour of a body."""
         return self._colours[index]
 
     def _dot(self, index: int) -> bytes:
         """Return what makes a small body noticed."""
+        if not self.is_small(index):
+            return b""
         marks = SceneEntity()
         outline, place = self._drawings.outlines[index], self._placement(index, self._poses[index])
         (lx, ly, lz), (hx, hy, hz) = ((place @ (*end, 1.0))[:3].tolist() for end in (outline.min(0), outline.max(0)))
-        if np.linalg.norm((hx - lx, hy - ly, hz - lz)) < _SMALL * self._look.size:
-            marks.lines.append(line((lx, ly, lz), (hx, hy, hz), self._colours[index], _DOT_PIXELS))
+        marks.lines.append(line((lx, ly, lz), (hx, hy, hz), self._colours[index], _DOT_PIXELS))
         data: bytes = marks.SerializeToString()
         return data
 

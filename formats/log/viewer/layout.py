@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import ceil, floor, log10
 from typing import Any
 
@@ -14,13 +15,22 @@ from .transforms import WORLD
 _GRID_CELLS = 10  # across the scene, or fewer by up to a factor 2.5
 
 
-def layout(reach: Reach, view: Camera, topics: Sequence[str]) -> bytes:
+@dataclass(frozen=True, slots=True)
+class CloseUp:
+    """What a scene too large for its bodies is seen by as well: the frame to stay with, and from how far, m."""
+
+    frame: str
+    distance: float
+
+
+def layout(reach: Reach, view: Camera, topics: Sequence[str], close_up: CloseUp | None = None) -> bytes:
     """Return the layout as JSON.
 
     Args:
         reach: where the bodies get to.
         view: from where they are seen.
         topics: what is drawn.
+        close_up: shown beside all the bodies, where there is one.
     """
     panels = {
         "3D!scene": _scene_panel(reach, view, topics),
@@ -29,7 +39,11 @@ def layout(reach: Reach, view: Camera, topics: Sequence[str]) -> bytes:
         "Table!pairs": {"topicPath": "/world.pairs"},
         "RosOut!log": {"topicToRender": "/log", "minLogLevel": 1, "searchTerms": []},
     }
-    left = {"direction": "column", "first": "3D!scene", "second": "Table!pairs", "splitPercentage": 74}
+    seen: str | dict[str, Any] = "3D!scene"
+    if close_up is not None:
+        panels["3D!close-up"] = _close_up_panel(panels["3D!scene"], close_up)
+        seen = {"direction": "column", "first": "3D!scene", "second": "3D!close-up", "splitPercentage": 50}
+    left = {"direction": "column", "first": seen, "second": "Table!pairs", "splitPercentage": 74}
     below = {"direction": "column", "first": "StateTransitions!states", "second": "RosOut!log", "splitPercentage": 50}
     right = {"direction": "column", "first": "Plot!distance", "second": below, "splitPercentage": 36}
     document = {
@@ -71,6 +85,19 @@ def _scene_panel(reach: Reach, view: Camera, topics: Sequence[str]) -> dict[str,
         "layers": {"grid": _grid(reach)},
         "publish": {},
     }
+
+
+def _close_up_panel(whole: dict[str, Any], close_up: CloseUp) -> dict[str, Any]:
+    """Return the panel that goes with a frame, and looks in the direction of that of the whole scene."""
+    distance = close_up.distance
+    camera = whole["cameraState"] | {
+        "distance": _plain(distance),
+        "targetOffset": [0, 0, 0],
+        "near": _plain(1e-3 * distance),
+        "far": _plain(100.0 * distance),
+    }
+    follow = {"followMode": "follow-position", "followTf": close_up.frame}
+    return whole | follow | {"cameraState": camera, "layers": {}}
 
 
 def _grid(reach: Reach) -> dict[str, Any]:

@@ -20,14 +20,20 @@ from ....scheduler.scene import FloatArray, Scene
 from ....scheduler.snapshot import existing
 from .. import messages_pb2 as pb
 from ..chunks import Channel
+from ..summary import SEVERITY, Summary
 from .camera import camera
 from .drawings import Drawings
 from .entities import BodyEntities, Look
-from .layout import layout
+from .layout import CloseUp, layout
 from .markers import CallOuts, MarkerSizes, clearances, contact, names
 from .reach import reach
 from .transforms import TransformPacker
 from .wire import scene_update, timestamp
+
+_SEVERITY = [verdict.name.lower() for verdict in SEVERITY]
+
+# How far a close-up is from its pair, in the pair's bodies' size and distance.
+_CLOSE_UP = 5.0
 
 # Moving bodies with shapes. More of them do not bear their names, which would hide what they name.
 _MOST_NAMED = 12
@@ -57,7 +63,6 @@ class Viewer:
     Attributes:
         channels: all that it writes to.
         remarks: what is not drawn as it is, in words.
-        layout: the Foxglove layout that fits the scene, as JSON.
     """
 
     def __init__(self, scene: Scene, options: ViewerOptions) -> None:
@@ -97,7 +102,11 @@ class Viewer:
         drawn += [self._tags] * bool(self._named) + [self._boxes] * (self._entities.crowd is not None)
         self.channels: tuple[Channel, ...] = (self._tf, self._world, *drawn)
         self.remarks = self._remarks()
-        self.layout = layout(seen, self._view, [channel.name for channel in drawn])
+        self._layout = partial(layout, seen, self._view, [channel.name for channel in drawn])
+
+    def layout(self, summary: Summary) -> bytes:
+        """Return the Foxglove layout that fits the scene and what was found, as JSON."""
+        return self._layout(self._close_up(summary))
 
     def opening(self, log_time: int) -> Iterator[tuple[Channel, bytes]]:
         """Yield the bodies and where they are at the start, `log_time` in ns: without ticks, all that is known."""
@@ -125,6 +134,18 @@ class Viewer:
         yield self._clearance, clearances(lines, front, self._sizes, told, stamp)
         if self._named:
             yield self._tags, self._called(snapshot, told, stamp)
+
+    def _close_up(self, summary: Summary) -> CloseUp | None:
+        """Return how to see the worst pair where it is nearest, if its bodies are too small to be seen as they are."""
+        measured = [pair for pair in summary["pairs"] if pair["distance"]["upper"] is not None]
+        if not measured:
+            return None
+        worst = min(measured, key=lambda pair: (_SEVERITY.index(pair["verdict"]), pair["distance"]["upper"] or 0.0))
+        moving = [k for k in map(self._names.index, (worst["body_a"], worst["body_b"])) if k in self._frames]
+        if not moving or not all(map(self._entities.is_small, moving)):
+            return None
+        size = max(map(self._entities.size, moving)) + (worst["distance"]["upper"] or 0.0)
+        return CloseUp(self._names[moving[0]], _CLOSE_UP * size)
 
     def _placed(self, poses: FloatArray, stamp: Timestamp) -> Iterator[tuple[Channel, bytes]]:
         """Yield where all that moves is, given every body's pose (n, 4, 4) in the world."""
