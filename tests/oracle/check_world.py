@@ -106,7 +106,8 @@ def check_world(truth: Truth, log: Log, effort: Effort, epoch: int, chords: Mapp
         least[there] = np.minimum(least[there], true + allowed)
         for i, distance, error in zip(there, true, allowed, strict=True):
             one = told[i].get(name, {"verdict": "CONTACT"})  # contacts read 0 up to the clear ends of their brackets
-            if one["verdict"] != "CONTACT" and not distance - error - chord <= one["distance"] <= distance + error:
+            least_told = 0.0 if truth.unknown(*pair) else distance - error - chord
+            if one["verdict"] != "CONTACT" and not least_told <= one["distance"] <= distance + error:
                 yield f"/world at {times[i]} s: {name} at {one['distance']} m is truly at {distance}"
     watched = {"|".join(pair) for pair in truth.pairs()}
     for time, message, pairs, bound in zip(times, messages, told, least, strict=True):

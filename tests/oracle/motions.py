@@ -108,6 +108,12 @@ def profile(spec: Spec, t: FloatArray, units: Units) -> FloatArray:
     return about_point(rotations(axis, value), numbers(spec.get("point", ZERO)) * units.metres)
 
 
+def limits(spec: Spec, t: FloatArray, units: Units) -> FloatArray:
+    """Return one of the paths within the limits: straight on."""
+    velocity = numbers(spec.get("velocity", ZERO)) * units.metres
+    return rigid(None, np.maximum(t, 0.0)[:, None] * velocity)
+
+
 MOTIONS: dict[str, Callable[[Spec, FloatArray, Units], FloatArray]] = {
     "constant": ballistic,
     "ballistic": ballistic,
@@ -117,4 +123,5 @@ MOTIONS: dict[str, Callable[[Spec, FloatArray, Units], FloatArray]] = {
     "harmonic": harmonic,
     "swing": swing,
     "profile": profile,
+    "limits": limits,
 }

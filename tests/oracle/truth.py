@@ -100,6 +100,11 @@ class Truth:
         """Tell whether a motion stands between two bodies: fixed ones, or ones fixed together, never meet anew."""
         return self.kinematics.anchor(a) != self.kinematics.anchor(b)
 
+    def unknown(self, a: str, b: str) -> bool:
+        """Tell whether a path on the way to either body is unknown, so that what is told is only a bound."""
+        names = {name for body in (a, b) for name in self.kinematics.lineage(body)}
+        return any(self.scene["bodies"][name].get("motion", {}).get("type") == "limits" for name in names)
+
     def allows(self, a: str, b: str) -> bool:
         """Tell whether the `pairs` section lets a pair be checked: `check` overrides `ignore`, which the default."""
         rules = self.scene.get("pairs", {})
