@@ -30,7 +30,7 @@ DEEP_SCENES = int(os.environ.get("CLOSECALL_DEEP_SCENES", "300"))
 DEEP_FIRST = int(os.environ.get("CLOSECALL_DEEP_FIRST", "1000000"))
 
 
-QUICK = {"uniform": 200, "scattered": 50, "minima": 4, "messages": 30}
+QUICK = {"uniform": 160, "scattered": 40, "minima": 3, "messages": 24}
 DEEP = {"uniform": 2000, "scattered": 500, "minima": 20, "messages": 200}
 
 EPOCH = 2_000_000_000

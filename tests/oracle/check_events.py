@@ -44,8 +44,8 @@ def check_collisions(truth: Truth, pair: Pair, collisions: Sequence[Values], cho
         doubtful = truth.tolerance + (chord + truth.slack(*pair) if chord > 0.0 else 0.0)
         if (event["kind"] == "CONTAINED") != contained and abs(surfaces[i]) > doubtful:
             yield f"{name}: kind is {event['kind']}, the surfaces' distance {surfaces[i]:.3g} m"
-        yield from check_point(truth, pair, event, name, chord)
         yield from check_keys(truth, pair, event, name)
+    yield from check_points(truth, pair, collisions, chord)
 
 
 def check_keys(truth: Truth, pair: Pair, event: Values, name: str) -> Iterable[str]:
@@ -58,15 +58,16 @@ def check_keys(truth: Truth, pair: Pair, event: Values, name: str) -> Iterable[s
             yield f"{name}: {body} is said to be between keys {said}, not {allowed[1]}"
 
 
-def check_point(truth: Truth, pair: Pair, event: Values, name: str, chord: float) -> Iterable[str]:
+def check_points(truth: Truth, pair: Pair, collisions: Sequence[Values], chord: float) -> Iterable[str]:
     """A collision's point belongs to both bodies when they touch, to the chord error (m)."""
-    place = np.array([point(event["point"])])
-    if not np.isfinite(place).all():
-        return
+    places = np.array([point(event["point"]) for event in collisions])
+    known = np.isfinite(places).all(axis=1)
+    times = np.array([event["time_touching"] for event in collisions])[known]
+    allowed = POINT_TOLERANCE * (1.0 + truth.spread) + truth.tolerance + chord
     for body in pair:
-        off = truth.from_points(body, np.array([event["time_touching"]]), place)[0]
-        if off > POINT_TOLERANCE * (1.0 + truth.spread) + truth.tolerance + chord:
-            yield f"{name}: its point is {off:.3g} m off {body}"
+        off = truth.from_points(body, times, places[known])
+        for i in np.flatnonzero(off > allowed):
+            yield f"{'|'.join(pair)}: collision at {times[i]} s: its point is {off[i]:.3g} m off {body}"
 
 
 def chosen(messages: Sequence[Values], key: str, effort: Effort) -> list[Values]:

@@ -133,14 +133,15 @@ def check_touching(
     Two, since the measurements on both sides of a stretch may fall just outside of it. Apart is what is farther than
     the chord error (m).
     """
-    first, last = between
+    reach = 1.05 * truth.time_resolution
+    first, last = between[0] + reach, between[1] - reach
+    if first > last:
+        return
     allowed = truth.tolerance + chord
     times = np.linspace(first, last, max(5, effort.uniform // 10))
     apart = np.flatnonzero(truth.signed(*pair, times) > allowed)
     for i in apart[:20]:
-        stretch = np.linspace(times[i] - 1.05 * truth.time_resolution, times[i] + 1.05 * truth.time_resolution, 43)
-        if stretch[0] < first or stretch[-1] > last:
-            continue
+        stretch = np.linspace(times[i] - reach, times[i] + reach, 43)
         gaps = truth.signed(*pair, stretch)
         if (gaps > allowed).all():
             yield f"{told(pair, span)}: apart by {gaps.min():.3g} m or more around {times[i]} s"

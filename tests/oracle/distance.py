@@ -8,6 +8,8 @@ less than its magnitude leaves them overlapping (some such depth, not the larges
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,6 +24,9 @@ BATCH = 16_000
 
 ROUNDS = (3, 9, 27, 81, 1 << 40)
 """How many candidates of an instant have been evaluated after each round; each round sharpens the cut for the next."""
+
+FEW = 1_000
+"""Candidates that are evaluated in one go, whatever their rank."""
 
 CHUNK_CELLS = 2_000_000
 """Instants times group pairs bounded in one go."""
@@ -99,9 +104,8 @@ class PairDistance:
         slack = self.a.slack[i] + self.b.slack[j]
         keep = slack > 0.0
         at, i, j, slack = at[keep], i[keep], j[keep], slack[keep]
-        parts = np.array_split(np.arange(len(at)), max(1, -(-len(at) // BATCH)))
-        found = [self._separations(placed.poses[at[part]], i[part], j[part]) for part in parts]
-        keep = np.concatenate(found) - slack < best[at]
+        found = [self._separations(placed.poses[at[part]], i[part], j[part]) for part in batches(len(at))]
+        keep = np.concatenate([np.zeros(0), *found]) - slack < best[at]
         elements.lower(best, placed.poses, at[keep], i[keep], j[keep])
 
     def _group_bounds(self, poses: FloatArray) -> FloatArray:
@@ -122,10 +126,14 @@ class PairDistance:
         rank = np.arange(len(at)) - np.searchsorted(at, at, side="left")
         done = 0
         for until in ROUNDS:
-            todo = np.flatnonzero((rank >= done) & (rank < until) & (bounds < best[at]) & (best[at] > -SURE))
-            for part in np.array_split(todo, max(1, -(-len(todo) // BATCH))):
+            todo = np.flatnonzero((rank >= done) & (bounds < best[at]) & (best[at] > -SURE))
+            whole = len(todo) <= FEW
+            todo = todo if whole else todo[rank[todo] < until]
+            for part in (todo[batch] for batch in batches(len(todo))):
                 found = self._separations(placed.poses[at[part]], i[part], j[part])
                 np.minimum.at(best, at[part], found)
+            if whole:
+                return
             done = until
 
     def _candidates(
@@ -211,6 +219,11 @@ class Cover:
             self.group_highs[index] += rounding
             gaps = np.linalg.norm(triangles[group] - self.group_centres[index], axis=2).max(axis=1)
             self.group_radii[index] = (gaps + self.outer[group]).max()
+
+
+def batches(count: int) -> Iterator[slice]:
+    """Yield slices that cover `count` items, none longer than a batch."""
+    return (slice(first, first + BATCH) for first in range(0, count, BATCH))
 
 
 def box_gap(points: FloatArray, lows: FloatArray, highs: FloatArray) -> FloatArray:

@@ -20,7 +20,7 @@ STEPS = 80
 PATIENCE = 6
 """Steps without progress that end the search too."""
 
-ACCURACY = 1e-12
+ACCURACY = 1e-11
 """Relative to (1 m + the distance): a lower bound this near to the distance ends the search."""
 
 SUBSETS = [[0, *one] for size in range(4) for one in combinations((1, 2, 3), size)]
@@ -109,12 +109,12 @@ def barycentric(corners: FloatArray) -> FloatArray:
             rest = -(dot(edges[:, 0], base) / dot(edges[:, 0], edges[:, 0]))[:, None]
         elif k == 3:
             one, other = edges[:, 0], edges[:, 1]
-            normal = np.cross(one, other)
-            parts = (np.cross(other, base), np.cross(base, one))
+            normal = cross(one, other)
+            parts = (cross(other, base), cross(base, one))
             rest = np.stack([dot(part, normal) for part in parts], axis=1) / dot(normal, normal)[:, None]
         else:
             a, b, c = (edges[:, i] for i in range(3))
-            parts = (np.cross(b, c), np.cross(c, a), np.cross(a, b))
+            parts = (cross(b, c), cross(c, a), cross(a, b))
             rest = -np.stack([dot(base, part) for part in parts], axis=1) / dot(a, parts[0])[:, None]
         return np.column_stack([1.0 - rest.sum(axis=1), rest])
 
@@ -123,12 +123,20 @@ def dot(a: FloatArray, b: FloatArray) -> FloatArray:
     return np.einsum("nx,nx->n", a, b)
 
 
+def cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Return a x b, (n, 3): several times faster than numpy's own for few."""
+    out = np.empty_like(a)
+    for x, y, z in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        out[:, x] = a[:, y] * b[:, z] - a[:, z] * b[:, y]
+    return out
+
+
 def depths(corners: FloatArray) -> FloatArray:
     """Return (n,) m: how deep the origin lies inside tetrahedra (n, 4, 3)."""
     found = []
     for face in combinations(range(4), 3):
         a, b, c = (corners[:, i] for i in face)
-        normal = np.cross(b - a, c - a)
+        normal = cross(b - a, c - a)
         length = np.maximum(np.linalg.norm(normal, axis=1), 1e-300)
         found.append(np.abs(dot(normal, a)) / length)
     return np.minimum.reduce(found)

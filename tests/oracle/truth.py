@@ -42,7 +42,7 @@ class Truth:
         self.names = list(self.kinematics.bodies)
         self.start, self.end = float(self.scene["time"]["start"]), float(self.scene["time"]["end"])
         self.surfaces = {name: surface_of(self.scene, name, path.parent) for name in self.names}
-        self._distances: dict[Pair, PairDistance] = {}
+        self._distances: dict[Pair, PairDistance] = {}  # of a body and "": from points
 
     @cached_property
     def _reached(self) -> tuple[FloatArray, FloatArray]:
@@ -155,8 +155,10 @@ class Truth:
 
     def from_points(self, name: str, times: FloatArray, points: FloatArray) -> FloatArray:
         """Return (n,) m: signed distances of world points (n, 3) from a body at times (n,) s; negative inside."""
+        if (name, "") not in self._distances:
+            self._distances[name, ""] = PairDistance(self.surfaces[name], POINT)
         world = self.kinematics.world_from_body(name, times)
-        return PairDistance(self.surfaces[name], POINT).signed(inverse(world) @ rigid(None, points))
+        return self._distances[name, ""].signed(inverse(world) @ rigid(None, points))
 
     def chord_limit(self, a: str, b: str) -> float:
         """Return the most (m) that what the tool measures of two bodies may be nearer than they are."""
