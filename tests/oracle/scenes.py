@@ -73,7 +73,8 @@ def write_document(scene: dict[str, Any], draw: Draw) -> Path:
         path.write_text(json.dumps(scene, indent=1), encoding="utf-8")
         return path
     path = draw.folder / f"seed_{draw.seed}.yaml"
-    text = yaml.safe_dump(scene, sort_keys=False, default_flow_style=None, width=110)
+    unshared = json.loads(json.dumps(scene))  # YAML would write what stands twice as an anchor and an alias
+    text = yaml.safe_dump(unshared, sort_keys=False, default_flow_style=None, width=110)
     path.write_text(f"# closecall oracle, seed {draw.seed}\n{text}", encoding="utf-8")
     return path
 
