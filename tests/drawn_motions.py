@@ -84,14 +84,14 @@ def polynomial(rng) -> Motion:
     return Polynomial(tuple(vector(term) for term in terms), spin)
 
 
-def profile(rng, turns=False) -> Motion:
+def profile(rng, turns=False) -> Profile:
     begin, end = map(float, rng.normal(size=2) * rng.choice([0.1, 3.0]))
     velocity, acceleration = map(float, rng.uniform(0.1, 3.0, 2))
     start = float(rng.uniform(-3, 2))
     return Profile(turns, random_unit(rng), random_vector(rng), begin, end, velocity, acceleration, start)
 
 
-def turning_profile(rng) -> Motion:
+def turning_profile(rng) -> Profile:
     return profile(rng, turns=True)
 
 
@@ -123,7 +123,7 @@ def cubic_with_velocities(rng) -> Motion:
     return keyframes(rng, Translation.CUBIC, velocities=True)
 
 
-def looped(rng) -> Motion:
+def looped(rng) -> Looped:
     """Keys whose ends differ, so that every loop ends in a jump."""
     before = bool(rng.random() < 0.7)
     translation = [Translation.LINEAR, Translation.STEP, Translation.CUBIC][int(rng.integers(0, 3))]

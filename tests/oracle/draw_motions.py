@@ -20,9 +20,9 @@ def random_motion(draw: Draw, kind: str | None = None, vigour: float = 1.0) -> S
 
     Keys stand on multiples of TICK, so that a step's instant is the same number whoever adds `t0`.
     """
-    kind = kind or draw.pick(*KINDS)
-    spec = {"type": kind, **MOTIONS[kind](draw, vigour * draw.size)}
-    if kind not in ("keyframes", "file", "polynomial", "profile") and draw.chance(0.3):
+    chosen: str = kind or draw.pick(*KINDS)
+    spec = {"type": chosen, **MOTIONS[chosen](draw, vigour * draw.size)}
+    if chosen not in ("keyframes", "file", "polynomial", "profile") and draw.chance(0.3):
         spec["t0"] = draw.between(-1.0, 2.0)
     return spec
 

@@ -94,7 +94,7 @@ def nearest_to_origin(corners: FloatArray, held: NDArray[np.bool_]) -> tuple[Flo
         rows = rows[better]
         best[rows], point[rows] = square[better], found[better]
         used[rows] = False
-        used[np.ix_(rows, subset)] = True
+        used[np.ix_(rows, np.array(subset))] = True
     return point, used
 
 

@@ -176,8 +176,8 @@ class Truth:
 
     def pair_blur(self, a: str, b: str, times: FloatArray) -> FloatArray:
         """Return (n,) m: how far points of b move in a's frame within 1 ns of times (n,)."""
-        poses = [self.kinematics.relative(a, b, times + shift) for shift in (-NANOSECOND, NANOSECOND)]
-        return moved(*poses, self.surfaces[b].extent)
+        before, after = (self.kinematics.relative(a, b, times + shift) for shift in (-NANOSECOND, NANOSECOND))
+        return moved(before, after, self.surfaces[b].extent)
 
     def creep(self, a: str, b: str, times: FloatArray) -> FloatArray:
         """Return (n,) m: the same to the one side of times (n,) to which they move less: no jump is spread."""
