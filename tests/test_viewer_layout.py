@@ -13,7 +13,7 @@ from closecall.formats.log.viewer.camera import camera
 from closecall.formats.log.viewer.layout import layout
 from closecall.formats.log.viewer.reach import Reach, reach
 from closecall.scheduler.motions import Constant, Fixed
-from closecall.scheduler.scene import Body, Mesh, Scene, Shape
+from closecall.scheduler.scene import Body, Mesh, PairRules, Scene, Shape
 
 RNG = np.random.default_rng(0)
 CLOUDS = {
@@ -53,14 +53,15 @@ def test_reach_covers_all_that_bodies_sweep():
     still = Body("frame", None, np.eye(4), Fixed(), ())
     outlines = np.zeros((2, 2, 3))
     outlines[0] = bar.vertices[:2]
-    found = reach(Scene((turning, still), 0.0, 1.0, ()), outlines, [True, False])
+    found = reach(Scene((turning, still), 0.0, 1.0, PairRules()), outlines, [True, False])
     assert found.low == pytest.approx((-1.0, -1.0, 0.0), abs=1e-3)
     assert found.high == pytest.approx((1.0, 1.0, 0.0), abs=1e-3)
     assert len(found.moving) == len(found.points)
 
 
 def test_scenes_without_shapes_or_extent_have_a_size():
-    nothing = reach(Scene((Body("frame", None, np.eye(4), Fixed(), ()),), 0.0, 1.0, ()), np.zeros((1, 26, 3)), [False])
+    scene = Scene((Body("frame", None, np.eye(4), Fixed(), ()),), 0.0, 1.0, PairRules())
+    nothing = reach(scene, np.zeros((1, 26, 3)), [False])
     assert nothing.size == 1.0
     document = json.loads(layout(nothing, camera(nothing), []))
     assert document["configById"]["3D!scene"]["cameraState"]["distance"] > 0.0

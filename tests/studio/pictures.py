@@ -27,13 +27,15 @@ COLOURS = 64
 
 
 def moment(log: Log) -> float:
-    """Return the share of the run amid the first contact that begins in it, else when the worst pair is nearest."""
+    """Return the share of the run amid the first contact that begins in it, else of where the worst pair is nearest."""
     begun = [(first, last) for _, first, last in log.contacts if first > log.time(0.0)]
     if begun:
         first, last = begun[0]
         return log.share(0.5 * (first + last))
     rank = ("contact", "breach", "unresolved", "possible", "clear")
     measured = [pair for pair in log.summary["pairs"] if pair["distance"]["upper"] is not None]
+    if not measured:
+        return 0.5
     worst = min(measured, key=lambda pair: (rank.index(pair["verdict"]), pair["distance"]["upper"]))
     return log.share(worst["distance"]["time"])
 
