@@ -5,14 +5,13 @@ from __future__ import annotations
 import subprocess
 import sys
 from itertools import combinations, pairwise
-from math import cos, hypot, radians, sin, sqrt
+from math import cos, hypot, radians, sqrt
 from pathlib import Path
 
 import numpy as np
 import pytest
 from sample_runs import (
     changes,
-    crossing,
     has_contacts,
     is_bracketed,
     is_enclosed,
@@ -242,43 +241,3 @@ def test_the_tool_clears_the_jaw_on_its_way_back_as_near_as_the_profiles_say() -
     risen = 3.7 + 150.0 / 300.0 + 300.0 / 3000.0
     assert mill.says("3.8 s y back, before z has come up: this saves half a second")
     assert risen - 3.8 == pytest.approx(0.5)
-
-
-CURTAINS = {"person_near": 2.4, "person_far": 4.2}
-"""m, along the arm's reach."""
-
-
-def ahead_of_the_person(time: float, curtain: float) -> float:
-    """Return how far (m) the arm is from whoever walked towards it from the curtain at 1.6 m/s."""
-    angle = radians(turned_away(time - 0.2))
-    along = min(1.2, max(0.0, curtain * cos(angle)))
-    return hypot(curtain - along * cos(angle), along * sin(angle)) - 0.08 - 0.4 - 1.6 * time
-
-
-def turned_away(since: float) -> float:
-    """Return degrees: up to 90 degrees/s in 0.25 s and 11.25 degrees, and as long to a stop at 90 degrees."""
-    if since <= 0.0:
-        return 0.0
-    if since <= 0.25:
-        return 180.0 * since**2
-    return 11.25 + 90.0 * (since - 0.25) if since <= 1.0 else 90.0 - 180.0 * max(0.0, 1.25 - since) ** 2
-
-
-def test_contact_with_a_person_is_possible_from_when_walking_straight_at_the_arm_reaches_it() -> None:
-    cell = sample_of("person_at_cell")
-    assert cell.pairs_with("possible") == {f"arm|{name}" for name in CURTAINS}
-
-    def reached(curtain: float, low: float, high: float) -> float:
-        return crossing(lambda time: ahead_of_the_person(time, curtain), low, high, 0.0)
-
-    near = [reached(2.4, 0.0, 0.7), reached(2.4, 0.7, 1.0), reached(2.4, 1.0, 1.4)]
-    far = reached(4.2, 1.0, 3.0)
-    assert all(cell.says(f"{time:.6f} s") for time in near)
-    assert cell.says(f"clear until {far:.3f} s")
-    assert cell.pair("arm|person_near")["possible"] == [
-        pytest.approx(near[:2], abs=1e-6),
-        pytest.approx([near[2], 3.0], abs=1e-6),
-    ]
-    assert cell.pair("arm|person_far")["possible"] == [pytest.approx([far, 3.0], abs=1e-6)]
-    first = cell.pair("arm|person_near")["possible"][0]
-    assert first[0] <= near[0] <= near[1] <= first[1]

@@ -1,4 +1,4 @@
-"""The sample of a person whose path is unknown: closed forms alone, since the oracle samples known paths."""
+"""The sample of a person whose path is unknown."""
 
 from __future__ import annotations
 

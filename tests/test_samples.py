@@ -19,9 +19,6 @@ from oracle.sampling import Effort
 LARGEST_MESHES = 300_000
 """bytes of all mesh files together, so that a checkout stays small."""
 
-PATHS_UNKNOWN = {"person_at_cell"}
-"""Samples that the oracle cannot follow; they are proved by closed forms alone."""
-
 
 @pytest.fixture(params=NAMES)
 def sample(request: pytest.FixtureRequest) -> Sample:
@@ -73,9 +70,7 @@ def test_nothing_in_a_sample_stays_unresolved(sample: Sample) -> None:
     assert "UNRESOLVED" not in {span["verdict"] for span in sample.log.of("spans")}
 
 
-@pytest.mark.parametrize("name", [name for name in NAMES if name not in PATHS_UNKNOWN])
-def test_the_log_of_a_sample_is_true(name: str) -> None:
-    sample = sample_of(name)
+def test_the_log_of_a_sample_is_true(sample: Sample) -> None:
     effort = Effort(uniform=24, scattered=8, ends=16, knots=8, minima=1, messages=4)
     faults = check_log(sample.path, sample.logs[0], effort=effort)
     assert not faults, "\n".join(faults)
