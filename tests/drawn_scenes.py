@@ -162,7 +162,7 @@ def _mend_references(source: Random, document: dict[str, Any]) -> None:
 
 def _mapping(source: Random, part: dict[str, Any]) -> dict[str, Any]:
     required = part.get("required", ())
-    chosen = {
+    chosen: dict[str, Any] = {
         key: _drawn(source, inner, key)
         for key, inner in part["properties"].items()
         if key in required or source.random() < 0.4

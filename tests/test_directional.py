@@ -38,8 +38,8 @@ class Case:
         own = [rng.normal(size=(count, 3, 3)) * size for _ in range(2)]
         if rng.random() < 0.3:
             own[1][:, 1:] = own[1][:, :1]  # points
-        chains = [random_chain(rng, corners.reshape(-1, 3), 0.0, CONTINUOUS) for corners in own]
-        self.motion, self.own = RelativeMotion(*chains), own
+        a, b = (random_chain(rng, corners.reshape(-1, 3), 0.0, CONTINUOUS) for corners in own)
+        self.motion, self.own = RelativeMotion(a, b), own
         self.moments = self.motion.at(self.t)
         poses = self.moments.a.pose, self.moments.b.pose
         apart = vector(np.array(random_unit(rng)) * float(10.0 ** rng.uniform(-1, 1)))
@@ -49,7 +49,7 @@ class Case:
         self.pairs = i, j
         near = self.motion.approach(self.moments, self.duration)
         self.horizon = near.horizon
-        twists = chains[0].twist(self.moments.a), chains[1].twist(self.moments.b)
+        twists = a.twist(self.moments.a), b.twist(self.moments.b)
         twists = twists[0], twists[1]._replace(origin=vector(np.array(twists[1].origin) + self.shift))
         triangles = NearTriangles(one[i], other[j], np.zeros(len(i)))
         direction = random_unit(rng) if rng.random() < 0.3 else vector(np.array(apart) / np.linalg.norm(apart))

@@ -25,7 +25,7 @@ from closecall.formats.log.output import Output
 from closecall.formats.log.writer import LogOptions, LogWriter
 from closecall.formats.scene.loaded import InputFile, LoadedScene
 from closecall.scheduler.events import Bound, Level, PairKey, Reason, Wakeup
-from closecall.scheduler.scene import Body, Scene, Settings
+from closecall.scheduler.scene import Body, PairRules, Scene, Settings
 
 
 def loaded(folder: Path, *, start: float = 0.0, meshes: tuple[bytes, ...] = ()) -> LoadedScene:
@@ -37,7 +37,7 @@ def loaded(folder: Path, *, start: float = 0.0, meshes: tuple[bytes, ...] = ()) 
         file = folder / f"{number}.stl"
         file.write_bytes(data)
         files.append(InputFile(f"part_{number}", file, hashlib.sha256(data).hexdigest()))
-    scene = Scene(bodies, start, 1e6, ())
+    scene = Scene(bodies, start, 1e6, PairRules())
     return LoadedScene(path, path.read_bytes(), scene, Settings(), tuple(files), ())
 
 

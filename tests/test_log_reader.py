@@ -16,7 +16,7 @@ from closecall.formats.log.reader import read_attachment, read_summary
 from closecall.formats.log.writer import LogOptions, LogWriter
 from closecall.formats.scene.loaded import LoadedScene
 from closecall.scheduler.events import Bound, Level, PairKey, Reason, Wakeup
-from closecall.scheduler.scene import Body, Scene, Settings
+from closecall.scheduler.scene import Body, PairRules, Scene, Settings
 
 
 @pytest.fixture
@@ -24,7 +24,7 @@ def scene(tmp_path: Path) -> LoadedScene:
     path = tmp_path / "scene.yaml"
     path.write_bytes(b"closecall: 1\n")
     bodies = tuple(Body(name, None, np.eye(4), cast(Any, None), ()) for name in ("größe", "hammer"))
-    return LoadedScene(path, path.read_bytes(), Scene(bodies, 0.0, 10.0, ()), Settings(), (), ())
+    return LoadedScene(path, path.read_bytes(), Scene(bodies, 0.0, 10.0, PairRules()), Settings(), (), ())
 
 
 @pytest.fixture

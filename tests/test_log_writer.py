@@ -43,7 +43,7 @@ from closecall.scheduler.events import (
     Verdict,
     Wakeup,
 )
-from closecall.scheduler.scene import Body, Scene, Settings
+from closecall.scheduler.scene import Body, PairRules, Scene, Settings
 
 PAIR = PairKey(0, 0, 1)
 FEATURE_A = Feature(FeatureKind.EDGE, 1, 12, 2)
@@ -59,7 +59,7 @@ def loaded(folder: Path, *, start: float = 0.0, end: float = 1e6, meshes: tuple[
         file = folder / f"{number}.stl"
         file.write_bytes(data)
         files.append(InputFile(f"part_{number}", file, hashlib.sha256(data).hexdigest()))
-    scene = Scene(bodies, start, end, ())
+    scene = Scene(bodies, start, end, PairRules())
     return LoadedScene(path, path.read_bytes(), scene, Settings(), tuple(files), ("open mesh: surface only",))
 
 
