@@ -46,12 +46,16 @@ class Look:
     def text(self, kind: str) -> str:
         return str(self.panel(kind)["text"])
 
+    @property
+    def picture(self) -> NDArray[np.uint8]:
+        """The picture of the 3D panel, (height, width, 3)."""
+        pixels = np.fromfile(self._scene["file"], dtype=np.uint8)
+        return np.ascontiguousarray(pixels.reshape(self._scene["height"], self._scene["width"], 4)[:, :, :3])
+
     @cached_property
     def scene(self) -> NDArray[np.int16]:
-        """The picture of the 3D panel, (height, width, 3), without the buttons at its right."""
-        pixels = np.fromfile(self._scene["file"], dtype=np.uint8)
-        picture = pixels.reshape(self._scene["height"], self._scene["width"], 4)
-        return picture[:, :-60, :3].astype(np.int16)
+        """The same, to reckon with, without the buttons at its right."""
+        return self.picture[:, :-60].astype(np.int16)
 
     @property
     def background(self) -> NDArray[np.int64]:

@@ -10,14 +10,11 @@ and `asteroids.png` show the whole layout.
 from __future__ import annotations
 
 import shutil
-import struct
 import sys
-import zlib
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-import numpy as np
-from numpy.typing import NDArray
+from PIL import Image
 
 from .logs import NAMES, Log, logs_of_samples
 from .viewer import MISSING, Job, visited
@@ -40,40 +37,6 @@ def moment(log: Log) -> float:
     return log.share(worst["distance"]["time"])
 
 
-def png(picture: NDArray[np.uint8]) -> bytes:
-    """Return a picture (height, width, 3) as a PNG with a palette of COLOURS."""
-    height, width, _ = picture.shape
-    coarse, where, counts = np.unique((picture >> 2).reshape(-1, 3), axis=0, return_inverse=True, return_counts=True)
-    palette = _palette(coarse.astype(np.float64) * 4.0 + 2.0, counts)
-    apart = ((coarse[:, None].astype(np.float64) * 4.0 + 2.0 - palette[None]) ** 2).sum(axis=2)
-    rows = apart.argmin(axis=1)[where.reshape(-1)].astype(np.uint8).reshape(height, width)
-    lines = np.hstack((np.zeros((height, 1), np.uint8), rows)).tobytes()
-    head = struct.pack(">IIBBBBB", width, height, 8, 3, 0, 0, 0)
-    colours = palette.round().astype(np.uint8).tobytes()
-    parts = ((b"IHDR", head), (b"PLTE", colours), (b"IDAT", zlib.compress(lines, 9)), (b"IEND", b""))
-    return b"\x89PNG\r\n\x1a\n" + b"".join(_chunk(kind, data) for kind, data in parts)
-
-
-def _palette(colours: NDArray[np.float64], counts: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Return at most COLOURS colours: boxes of colours cut in two where they spread most, by median."""
-    boxes = [np.arange(len(colours))]
-    while len(boxes) < COLOURS:
-        spreads = [float(np.ptp(colours[box], axis=0).max() * np.sqrt(counts[box].sum())) for box in boxes]
-        widest = int(np.argmax(spreads))
-        if spreads[widest] == 0.0:
-            break
-        box = boxes.pop(widest)
-        axis = int(np.ptp(colours[box], axis=0).argmax())
-        box = box[np.argsort(colours[box, axis], kind="stable")]
-        cut = int(np.clip(np.searchsorted(np.cumsum(counts[box]), 0.5 * counts[box].sum()), 1, len(box) - 1))
-        boxes += [box[:cut], box[cut:]]
-    return np.array([np.average(colours[box], axis=0, weights=counts[box]) for box in boxes])
-
-
-def _chunk(kind: bytes, data: bytes) -> bytes:
-    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-
-
 def main() -> None:
     """Make the pictures of the samples named, or of all."""
     if MISSING:
@@ -88,7 +51,8 @@ def main() -> None:
         (PICTURES / "samples").mkdir(exist_ok=True)
         for name, visit in visited(jobs, Path(folder)).items():
             look = visit.looks[-1]
-            (PICTURES / "samples" / f"{name}.png").write_bytes(png(look.scene.astype(np.uint8)))
+            small = Image.fromarray(look.picture).quantize(COLOURS, dither=Image.Dither.NONE)
+            small.save(PICTURES / "samples" / f"{name}.png", optimize=True)
             whole = PICTURES / f"{name}.png"
             if whole.exists():
                 shutil.copy(look.page, whole)
