@@ -134,22 +134,24 @@ class Chain:
         """Return suprema over [t, t + duration] of the last moved frame's rates in the ancestor's frame.
 
         Row 'chain, speeds': V = V_P + W_P L + V', A = A_P + (al_P + W_P^2) L + 2 W_P V' + A', and so on, L the
-        farthest that the child's origin gets from its parent's. The steady part survives only a lone joint.
+        farthest that the child's origin gets from its parent's. What is steady stays so where nothing above turns.
         """
-        if len(self.joints) == 1:
-            rates = self.joints[0].motion.rates(moment.time, duration)
-            return rates._replace(steady=turned(moment.frames[0], rates.steady))
         speed = acceleration = spin = spin_up = 0.0
-        for joint in self.joints:
+        steady = ZERO
+        for joint, frame in zip(self.joints, moment.frames, strict=True):
             rates = joint.motion.rates(moment.time, duration)
-            arm = norm(translation_of(joint.rest @ joint.motion.pose(moment.time)))
-            arm += joint.motion.displacement(moment.time, duration, origin_reach(joint.motion))
-            speed += spin * arm + rates.speed
-            acceleration += (spin_up + spin**2) * arm + 2.0 * spin * rates.speed
-            acceleration += rates.acceleration + norm(rates.steady)
+            if spin == 0.0:
+                steady = add(steady, turned(frame, rates.steady))
+            else:
+                arm = norm(translation_of(joint.rest @ joint.motion.pose(moment.time)))
+                arm += joint.motion.displacement(moment.time, duration, origin_reach(joint.motion))
+                speed += spin * arm
+                acceleration += (spin_up + spin**2) * arm + 2.0 * spin * rates.speed + norm(rates.steady)
+            speed += rates.speed
+            acceleration += rates.acceleration
             spin_up += rates.angular_acceleration + spin * rates.angular_speed
             spin += rates.angular_speed
-        return Rates(speed, acceleration, spin, spin_up)
+        return Rates(speed, acceleration, spin, spin_up, steady)
 
     def fastest(self, twist: Twist) -> float:
         """Return above the speed (m/s) of every point of the body and of the terms that it is the sum of."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import inf
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from .bounds import RELATIVE_ROUNDING
 from .chain import Twist
 from .nearby import NearTriangles
+from .relative import Approach
 from .rotation import FloatArray
 from .segments import ways_between
 from .vector import Vector
@@ -27,6 +29,20 @@ SHORTEST = 1e-150
 FIRST_PAIRS = 64
 #: Directions of a pair's own: two normals, nine cross products of edges, the way between the nearest points.
 OWN_DIRECTIONS = 12
+
+
+class Gaps(NamedTuple):
+    """Gaps between triangles of k pairs along d directions of each.
+
+    Attributes:
+        widths: (k, d, 9) m, from each corner of the one to each of the other.
+        closings: (k, d, 9) m/s, how fast each closes now.
+        bends: (k, d, 1) m/s^2, above how fast that grows until the horizon.
+    """
+
+    widths: FloatArray
+    closings: FloatArray
+    bends: FloatArray
 
 
 class Slabs:
@@ -44,8 +60,7 @@ class Slabs:
         direction: Vector,
         error: float,
         reach: float,
-        acceleration: float,
-        horizon: float,
+        near_future: Approach,
         slack: float,
     ) -> None:
         """Take the pairs.
@@ -56,24 +71,24 @@ class Slabs:
             direction: unit, from the first body to the other, which all pairs are measured along.
             error: m, by which placed corners may be wrong.
             reach: as the attribute.
-            acceleration: m/s^2, above that of any point of the one relative to any of the other, until the horizon.
-            horizon: as the attribute.
+            near_future: how any point of the one accelerates relative to any of the other, and until when.
             slack: m/s, by which the velocities may be wrong.
         """
-        self.reach, self.horizon = reach, horizon
+        self.reach, self.horizon = reach, near_future.horizon
         self._near, self._twists = near, twists
-        self._error, self._slack, self._acceleration = error, slack, acceleration
+        self._error, self._slack = error, slack
+        self._steady, self._varying = np.array(near_future.steady), near_future.varying
         every: NDArray[np.intp] = np.arange(len(near.radii))
         along = np.broadcast_to(np.array(direction), (len(every), 1, 3))
-        self._gaps, self._closings = self._across(every, along)
-        self._own_gaps = self._own_closings = np.empty((0, OWN_DIRECTIONS, 9))
+        self._shared = self._across(every, along)
+        self._own = self._across(every[:0], np.empty((0, OWN_DIRECTIONS, 3)))
         self._known = np.empty(0, dtype=np.intp)  # the pairs that have directions of their own, in order of those
 
     def sleep(self, spare: float) -> float:
         """Return how long (s, <= horizon) every slab stays wider than `spare` m; errs low."""
 
-        def lasts(gaps: FloatArray, closings: FloatArray) -> FloatArray:
-            return _roots(gaps * (1.0 - RELATIVE_ROUNDING) - spare, closings, self._acceleration)
+        def lasts(gaps: Gaps) -> FloatArray:
+            return _roots(gaps.widths * (1.0 - RELATIVE_ROUNDING) - spare, gaps.closings, gaps.bends)
 
         return self._least(lasts, self.horizon) * (1.0 - RELATIVE_ROUNDING)
 
@@ -85,21 +100,21 @@ class Slabs:
             displacement: m, above how far the two bodies get relative to each other within it.
         """
 
-        def left(gaps: FloatArray, closings: FloatArray) -> FloatArray:
-            lost = np.maximum(0.0, closings * duration + 0.5 * self._acceleration * duration**2)
-            return gaps * (1.0 - RELATIVE_ROUNDING) - lost * (1.0 + RELATIVE_ROUNDING)
+        def left(gaps: Gaps) -> FloatArray:
+            lost = np.maximum(0.0, gaps.closings * duration + 0.5 * gaps.bends * duration**2)
+            return gaps.widths * (1.0 - RELATIVE_ROUNDING) - lost * (1.0 + RELATIVE_ROUNDING)
 
         return -inf if duration > self.horizon else self._least(left, self.reach - displacement)
 
-    def _least(self, value: Callable[[FloatArray, FloatArray], FloatArray], most: float) -> float:
+    def _least(self, value: Callable[[Gaps], FloatArray], most: float) -> float:
         """Return the least over the pairs of the best that any of their directions gives, at most `most`.
 
-        A direction gives the least of `value(gaps, closings)` over its corners. As long as the least of all stands with
+        A direction gives the least of `value` over its corners. As long as the least of all stands with
         pairs that have no directions of their own yet, these get them.
         """
-        best = value(self._gaps, self._closings).min(axis=2)[:, 0]
+        best = value(self._shared).min(axis=2)[:, 0]
         if len(self._known):
-            own = value(self._own_gaps, self._own_closings).min(axis=2).max(axis=1)
+            own = value(self._own).min(axis=2).max(axis=1)
             best[self._known] = np.maximum(best[self._known], own)
         while True:
             least = min(most, float(best[self._known].min(initial=inf)))
@@ -109,17 +124,13 @@ class Slabs:
             if not len(pairs):
                 return min(most, float(best.min(initial=inf)))
             pairs = pairs[np.argsort(best[pairs], kind="stable")][: max(FIRST_PAIRS, len(self._known))]
-            gaps, closings = self._across(pairs, self._directions_of(pairs))
-            best[pairs] = np.maximum(best[pairs], value(gaps, closings).min(axis=2).max(axis=1))
-            self._own_gaps = np.concatenate((self._own_gaps, gaps))
-            self._own_closings = np.concatenate((self._own_closings, closings))
+            gaps = self._across(pairs, self._directions_of(pairs))
+            best[pairs] = np.maximum(best[pairs], value(gaps).min(axis=2).max(axis=1))
+            self._own = Gaps(*map(np.concatenate, zip(self._own, gaps, strict=True)))
             self._known = np.concatenate((self._known, pairs))
 
-    def _across(self, pairs: NDArray[np.intp], directions: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the gaps and how fast they close, of pairs (k,) along directions (k, d, 3) of each.
-
-        (k, d, 9) m and m/s, from each corner of the one to each of the other; errors and rounding radii are off.
-        """
+    def _across(self, pairs: NDArray[np.intp], directions: FloatArray) -> Gaps:
+        """Return the gaps of pairs (k,) along directions (k, d, 3) of each, errors and rounding radii off."""
         one, other = self._near.one[pairs], self._near.other[pairs]
         onto = np.swapaxes(directions, 1, 2)
         low, high = one @ onto, other @ onto  # (k, corner, d)
@@ -128,7 +139,10 @@ class Slabs:
         gaps = high[:, None, :] - low[:, :, None] - taken[:, None, None, None]
         closings = approach[:, :, None] - retreat[:, None, :] + self._slack
         shape = (len(pairs), 9, directions.shape[1])
-        return np.swapaxes(gaps.reshape(shape), 1, 2), np.swapaxes(closings.reshape(shape), 1, 2)
+        bends = np.maximum(0.0, directions @ self._steady) + self._varying
+        return Gaps(
+            np.swapaxes(gaps.reshape(shape), 1, 2), np.swapaxes(closings.reshape(shape), 1, 2), bends[..., None]
+        )
 
     def _directions_of(self, pairs: NDArray[np.intp]) -> FloatArray:
         """Return unit directions (k, OWN_DIRECTIONS, 3) from one triangle towards the other, zero where there is none.
@@ -158,16 +172,12 @@ def _between_nearest_points(one: FloatArray, other: FloatArray, sides: FloatArra
     return shortest
 
 
-def _roots(left: FloatArray, closings: FloatArray, acceleration: float) -> FloatArray:
-    """Return when left = closing s + acceleration s^2 / 2, s; 0 where nothing is left, inf where never."""
-    if acceleration == 0.0:
-        with np.errstate(divide="ignore"):
-            roots = np.where(closings > 0.0, left / np.where(closings > 0.0, closings, 1.0), inf)
-    else:
-        spread = np.sqrt(closings**2 + 2.0 * acceleration * np.maximum(left, 0.0))
-        closing = closings > 0.0
-        roots = np.where(
-            closing, 2.0 * left / np.where(closing, closings + spread, 1.0), (spread - closings) / acceleration
-        )
+def _roots(left: FloatArray, closings: FloatArray, bends: FloatArray) -> FloatArray:
+    """Return when left = closing s + bend s^2 / 2, s; 0 where nothing is left, inf where never."""
+    spread = np.sqrt(closings**2 + 2.0 * bends * np.maximum(left, 0.0))
+    closing = closings > 0.0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        opening = np.where(bends > 0.0, (spread - closings) / bends, inf)
+    roots = np.where(closing, 2.0 * left / np.where(closing, closings + spread, 1.0), opening)
     positive: FloatArray = np.where(left > 0.0, roots, 0.0)
     return positive

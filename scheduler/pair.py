@@ -168,7 +168,7 @@ class Pair:
         direction = unit(subtract(proximity.witness_b, proximity.witness_a))
         error = self.error + spread
         slack += self.motion.growth_speed(measurement.time)
-        return Slabs(found, (one, other), direction, error, reach, near.acceleration, near.horizon, slack)
+        return Slabs(found, (one, other), direction, error, reach, near, slack)
 
     def distance(self, measurement: Measurement) -> Distance | None:
         """Return the measurement as it is reported, in the world's frame; None where nothing exact was measured.

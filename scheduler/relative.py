@@ -10,7 +10,7 @@ from .bounds import longest_sleep, shortened, spendable, time_bound, two_sided_c
 from .chain import Chain, Moment
 from .events import Bound
 from .motions import Interval, Limits
-from .vector import norm, subtract
+from .vector import Vector, norm, subtract
 
 #: The lecture's bound looks this many times as far ahead as the displacement bound sleeps: farther only loosens it.
 LOOKAHEAD = 4.0
@@ -30,11 +30,18 @@ class Moments:
 
 
 class Approach(NamedTuple):
-    """The lecture's v and a of a pair: over ALL pairs of points, v (m/s) now and a (m/s^2) until the horizon (s)."""
+    """The lecture's v and a of a pair: over ALL pairs of points, v (m/s) now and a (m/s^2) until the horizon (s).
+
+    Attributes:
+        steady: m/s^2, what stays the same of the first body's acceleration less that of the second.
+        varying: m/s^2, above the rest of it.
+    """
 
     speed: float
     acceleration: float
     horizon: float
+    steady: Vector
+    varying: float
 
     def distance(self, duration: float) -> float:
         """Return the farthest (m) any point gets relative to any other within `duration`; inf past the horizon."""
@@ -114,15 +121,15 @@ class RelativeMotion:
         (_, v_a, w_a), (_, v_b, w_b) = self.a.twist(moments.a), self.b.twist(moments.b)
         speed = norm(subtract(v_a, v_b)) + norm(w_a) * self.a.radius + norm(w_b) * self.b.radius
         rates_a, rates_b = self.a.rates(moments.a, horizon), self.b.rates(moments.b, horizon)
-        steady = norm(subtract(rates_a.steady, rates_b.steady))
-        acceleration = steady + rates_a.acceleration + rates_b.acceleration
+        steady = subtract(rates_a.steady, rates_b.steady)
+        varying = rates_a.acceleration + rates_b.acceleration
         for rates, radius in ((rates_a, self.a.radius), (rates_b, self.b.radius)):
-            acceleration += (rates.angular_acceleration + rates.angular_speed**2) * radius
+            varying += (rates.angular_acceleration + rates.angular_speed**2) * radius
         speed += CANCELLATION * (norm(v_a) + norm(v_b))
-        acceleration += CANCELLATION * (norm(rates_a.steady) + norm(rates_b.steady))
+        varying += CANCELLATION * (norm(rates_a.steady) + norm(rates_b.steady))
         speed += self.growth_speed(t)
-        acceleration += sum(limits.acceleration_after(t) for limits in self.unknown)
-        return Approach(speed, acceleration, horizon)
+        varying += sum(limits.acceleration_after(t) for limits in self.unknown)
+        return Approach(speed, norm(steady) + varying, horizon, steady, varying)
 
     def growth_speed(self, t: float) -> float:
         """Return how fast (m/s) balls grow at t, or just after."""

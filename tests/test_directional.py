@@ -11,7 +11,7 @@ from closecall.scheduler import directional
 from closecall.scheduler.chain import Twist
 from closecall.scheduler.directional import Slabs
 from closecall.scheduler.nearby import NearTriangles
-from closecall.scheduler.relative import RelativeMotion
+from closecall.scheduler.relative import Approach, RelativeMotion
 from closecall.scheduler.segments import piercing_margin
 from oracle.triangles import separation
 
@@ -53,7 +53,7 @@ class Case:
         twists = twists[0], twists[1]._replace(origin=vector(np.array(twists[1].origin) + self.shift))
         triangles = NearTriangles(one[i], other[j], np.zeros(len(i)))
         direction = random_unit(rng) if rng.random() < 0.3 else vector(np.array(apart) / np.linalg.norm(apart))
-        self.slabs = Slabs(triangles, twists, direction, 0.0, inf, near.acceleration, near.horizon, 0.0)
+        self.slabs = Slabs(triangles, twists, direction, 0.0, inf, near, 0.0)
 
     def nearest(self, duration: float) -> float:
         """Return the least distance (m) of any two triangles at samples of the time from t on."""
@@ -120,7 +120,20 @@ def test_faces_that_slide_past_each_other_sleep_up_to_the_horizon():
     near = NearTriangles(square[i], square[j] + [0, 0, 1e-6], np.zeros(4))
     still = Twist((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     slides = Twist((0.0, 0.0, 0.0), (1000.0, 500.0, 0.0), (0.0, 0.0, 0.0))
-    assert Slabs(near, (slides, still), (0.0, 0.0, 1.0), 0.0, 1.0, 0.0, 3.0, 0.0).sleep(0.0) == pytest.approx(3.0)
+    for steady in ((0.0, 0.0, 0.0), (9.81, -3.0, 0.0), (9.81, 0.0, -1.0)):
+        ahead = Approach(1118.1, 10.3, 3.0, steady, 0.0)
+        assert Slabs(near, (slides, still), (0.0, 0.0, 1.0), 0.0, 1.0, ahead, 0.0).sleep(0.0) == pytest.approx(3.0)
+
+
+@pytest.mark.parametrize("varying", [0.0, 0.5])
+def test_a_steady_acceleration_closes_a_gap_by_its_part_across_it(varying):
+    """From rest, 1 mm apart, at 2 m/s^2 upwards: after sqrt(2 x 0.001 / 2) s."""
+    square = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]])
+    still = Twist((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    near = NearTriangles(square, square + np.array([0.0, 0.0, 1e-3]), np.zeros(1))
+    ahead = Approach(0.0, 10.0, 3.0, (9.0, 0.0, 2.0), varying)
+    found = Slabs(near, (still, still), (0.0, 0.0, 1.0), 0.0, 1.0, ahead, 0.0).sleep(0.0)
+    assert found == pytest.approx(np.sqrt(2.0 * 1e-3 / (2.0 + varying)))
 
 
 def test_an_edge_stays_through_a_triangle_while_both_move_less_than_the_margin():

@@ -5,6 +5,8 @@ from __future__ import annotations
 from math import cos, hypot, radians, sin
 
 import pytest
+from mcap.reader import make_reader
+from mcap_protobuf.decoder import DecoderFactory
 from sample_runs import crossing, sample_of
 
 SPEED = 1.6
@@ -55,3 +57,23 @@ def test_the_far_curtain_keeps_a_person_out_until_the_arm_has_long_been_still() 
     told = cell.pair("arm|person_far")
     assert told["possible"] == [pytest.approx([reached, 3.0], abs=1e-6)]
     assert told["possible"][0][0] <= reached + 1e-9
+
+
+def test_viewers_are_told_that_contact_is_possible_while_it_is_and_how_near_it_is_before() -> None:
+    cell = sample_of("person_at_cell")
+    possible = cell.pair("arm|person_near")["possible"]
+    seen = {True: 0, False: 0}
+    with cell.logs[0].open("rb") as stream:
+        reader = make_reader(stream, decoder_factories=[DecoderFactory()])
+        for _, channel, record, message in reader.iter_decoded_messages(["/viz/contacts", "/viz/clearance"]):
+            time = 1e-9 * record.log_time
+            if min(abs(time - edge) for span in possible for edge in span) < 1e-6:
+                continue
+            now = any(begin < time < end for begin, end in possible)
+            drawn = [one for one in message.entities if one.id == "arm|person_near"]
+            assert len(drawn) == (now if channel.topic == "/viz/contacts" else not now)
+            for entity in drawn:
+                words = [text.text for text in entity.texts]
+                assert (words == ["possible"]) is now
+                seen[now] += 1
+    assert min(seen.values()) > 20

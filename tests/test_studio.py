@@ -124,7 +124,8 @@ def test_bodies_are_in_view_and_shaded(name: str, visits: dict[str, Visit]) -> N
 def test_bodies_move(name: str, visits: dict[str, Visit]) -> None:
     looks = visits[name].looks
     for one, other in ((MIDDLE, LATER), (OPENED, MIDDLE), (OPENED, LATER)):
-        moved = thick(differs(looks[one].scene, looks[other].scene))
+        width = min(looks[one].scene.shape[1], looks[other].scene.shape[1])  # a table's scroll bar may narrow the panel
+        moved = thick(differs(looks[one].scene[:, :width], looks[other].scene[:, :width]))
         if np.count_nonzero(moved) > 200:
             return
     pytest.fail("the 3D panel shows the same at all times")
@@ -188,9 +189,10 @@ def test_the_log_panel_tells_the_latest_line(name: str, logs: dict[str, Log], vi
 
 
 def test_the_log_panel_shows_the_line_that_tells_of_the_start(logs: dict[str, Log], visits: dict[str, Visit]) -> None:
+    """Studio opens a log 0.1 s after its start."""
     for name in NAMES:
         first, *others = logs[name].messages("/log")
-        if not any(line.time == first.time for line in others):
+        if not any(line.time <= first.time + 100_000_000 for line in others):
             assert first.message.message in visits[name].looks[OPENED].text("RosOut")
             assert "runs scene.yaml" in first.message.message
 

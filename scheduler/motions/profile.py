@@ -85,11 +85,12 @@ class Profile:
         return cross(along, arm), along
 
     def rates(self, t: float, duration: float) -> Rates:
-        """Row 'trapezoidal profile': the speed's maximum is at one end, the acceleration that of the phase."""
+        """Row 'trapezoidal profile': the speed's maximum is at one end, the acceleration that of the phase, steady."""
         last = min(t + duration, self.knot_after(t))
-        speed, acceleration = max(self._speed(t), self._speed(last)), self._acceleration(t)
+        speed, acceleration = max(self._speed(t), self._speed(last)), abs(self._acceleration(t))
         if not self.turns:
-            return Rates(speed, acceleration, 0.0, 0.0)
+            along = copysign(self._acceleration(t), self._acceleration(t) * (self.end - self.begin))
+            return Rates(speed, 0.0, 0.0, 0.0, scale(along, self.axis_direction))
         radius = distance_to_line(ZERO, self.point, self.axis_direction)
         return Rates(radius * speed, radius * hypot(acceleration, speed * speed), speed, acceleration)
 
@@ -149,13 +150,13 @@ class Profile:
                 return 0.0
 
     def _acceleration(self, t: float) -> float:
-        """Return the size, m/s^2 or rad/s^2, right-hand at a knot."""
+        """Return how the speed rises, m/s^2 or rad/s^2, right-hand at a knot."""
         begin, risen, braking, stopped = self._knots
         match self._phase(t):
             case 1:
                 return self._top / (risen - begin)
             case 3:
-                return self._top / (stopped - braking)
+                return -self._top / (stopped - braking)
             case _:
                 return 0.0
 

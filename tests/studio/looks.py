@@ -17,8 +17,7 @@ NOISE = (
     # Studio builds its 3D panel anew while the layout is set, and the panel tells what it has been given back.
     r"warn: Disposing renderer$",
     r"warn: Panel action resulted in identical config",
-)
-NOISE_BEFORE_THE_FIRST_FRAME = (
+    # It complains until the first frame has come; where none comes, nothing is drawn, which the looks tell.
     r'warn: \[general > followTf\] Frame "\w+" not found$',
     r"warn: \[layers > \w+\] Missing transform from frame <world> to frame <\(none\)>$",
 )
@@ -88,12 +87,12 @@ class Visit:
     @property
     def complaints(self) -> list[str]:
         """Lines of the console that tell of something wrong."""
-        return _complaints(self.opening, NOISE + NOISE_BEFORE_THE_FIRST_FRAME) + _complaints(self.console, NOISE)
+        return _complaints([*self.opening, *self.console])
 
 
-def _complaints(lines: Sequence[str], noise: Sequence[str]) -> list[str]:
+def _complaints(lines: Sequence[str]) -> list[str]:
     wrong = [line for line in lines if not re.match(r"debug|log|info", line)]
-    return [line for line in wrong if not any(re.match(pattern, line) for pattern in noise)]
+    return [line for line in wrong if not any(re.match(pattern, line) for pattern in NOISE)]
 
 
 def differs(picture: NDArray[np.int16], other: NDArray[Any]) -> NDArray[np.bool_]:

@@ -18,7 +18,7 @@ from google.protobuf.timestamp_pb2 import Timestamp
 from ....scheduler.events import Nearness, Point
 from ....scheduler.scene import FloatArray
 from .camera import Camera
-from .colours import RED, RGB, WHITE, YELLOW, ClearanceScale, colour, mixed
+from .colours import RGB, WHITE, YELLOW, ClearanceScale, colour, mixed
 from .transforms import WORLD
 from .wire import scene_update
 
@@ -39,7 +39,7 @@ class MarkerSizes:
 
     @property
     def farthest(self) -> float:
-        """m: pairs further apart get no line."""
+        """m: pairs further apart get no line, but for the nearest of all."""
         return 0.1 * self.size
 
     @property
@@ -112,16 +112,21 @@ def clearances(
     return scene_update(stamp, entities)
 
 
-def contact(pair: str, point: Point, roof: float, sizes: MarkerSizes, told: CallOuts, stamp: Timestamp) -> bytes:
-    """Return the SceneEntity that marks where a pair touches, told over the bodies' `roof` (m, z) if it is not far."""
+def contact(
+    pair: str, word: str, rgb: RGB, point: Point, roof: float, sizes: MarkerSizes, told: CallOuts, stamp: Timestamp
+) -> bytes:
+    """Return the SceneEntity that marks where a pair touches, told over the bodies' `roof` (m, z) if it is not far.
+
+    `word` says what it is, in its colour.
+    """
     diameter = Vector3(x=sizes.contact, y=sizes.contact, z=sizes.contact)
     ball = SpherePrimitive(pose=_at(point), size=diameter, color=colour(YELLOW))
     entity = SceneEntity(timestamp=stamp, frame_id=WORLD, id=pair, frame_locked=True, spheres=[ball])
     height = min(max(0.0, roof - point[2]) + sizes.stalk, 8.0 * sizes.stalk)
     foot = np.array(point)
     top = foot + np.array((0.0, 0.0, height))
-    if told.room(top, "contact"):
-        _call_out(entity, foot, top, "contact", RED)
+    if told.room(top, word):
+        _call_out(entity, foot, top, word, rgb)
     data: bytes = entity.SerializeToString()
     return data
 

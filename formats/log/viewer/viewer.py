@@ -22,6 +22,7 @@ from .. import messages_pb2 as pb
 from ..chunks import Channel
 from ..summary import SEVERITY, Summary
 from .camera import camera
+from .colours import AMBER, RED
 from .drawings import Drawings
 from .entities import BodyEntities, Look
 from .layout import CloseUp, layout
@@ -128,8 +129,9 @@ class Viewer:
         yield self._world, self._told(snapshot, stamp)
         told = CallOuts(self._view)
         yield self._contacts, self._touching(snapshot, told, stamp)
-        apart = (near for near in snapshot.nearest[: self._options.pairs] if 0.0 < near.distance < self._sizes.farthest)
-        lines = ((self._pair_name(near.pair), near) for near in apart)
+        apart = [near for near in snapshot.nearest[: self._options.pairs] if near.distance > 0.0]
+        drawn = (near for near in apart if near is apart[0] or near.distance < self._sizes.farthest)
+        lines = ((self._pair_name(near.pair), near) for near in drawn)
         front = partial(self._front, snapshot.poses)
         yield self._clearance, clearances(lines, front, self._sizes, told, stamp)
         if self._named:
@@ -190,12 +192,15 @@ class Viewer:
 
     def _touching(self, snapshot: Snapshot, told: CallOuts, stamp: Timestamp) -> bytes:
         touching = [near for near in snapshot.nearest if _stays_in_contact(near, snapshot.occasion)]
+        possible = [near for near in snapshot.nearest if near.verdict is Verdict.POSSIBLE and near.distance == 0.0]
         bodies = sorted({body for near in touching for body in (near.pair.a, near.pair.b)})
         red = [self._entities.in_red(body, stamp, snapshot.poses[body]) for body in bodies]
         marks = []
-        for near in touching:
+        for near in (*touching, *possible):
             roof = max(self._entities.roof(body, snapshot.poses[body]) for body in (near.pair.a, near.pair.b))
-            marks.append(contact(self._pair_name(near.pair), near.witness_a, roof, self._sizes, told, stamp))
+            word, rgb = ("possible", AMBER) if near.verdict is Verdict.POSSIBLE else ("contact", RED)
+            name = self._pair_name(near.pair)
+            marks.append(contact(name, word, rgb, near.witness_a, roof, self._sizes, told, stamp))
         return scene_update(stamp, [*red, *marks])
 
     def _frames_of(self, pair: PairKey) -> list[int]:
