@@ -26,8 +26,12 @@ from closecall.formats.scene.errors import SceneError
 from closecall.formats.scene.loaded import LoadedScene
 from closecall.formats.scene.reader import read_scene
 
+SLOW = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.filter_too_much, HealthCheck.large_base_example]
 FEW = settings(
-    max_examples=300, derandomize=True, deadline=None, suppress_health_check=[*HealthCheck.__members__.values()]
+    max_examples=300,
+    derandomize=True,
+    deadline=None,
+    suppress_health_check=[*SLOW, HealthCheck.function_scoped_fixture],
 )
 
 SAMPLES = sorted((Path(__file__).parents[1] / "sample_scenes").glob("*/scene.yaml"))
