@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import click
-from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
@@ -17,7 +16,7 @@ from ..formats.scene.errors import SceneError
 from .faults import faults_reported, report
 from .job import Result, run_job
 from .options import RunOptions
-from .show import SEVERITY, STYLES, print_json, print_warnings
+from .show import SEVERITY, STYLES, console_for, print_json, print_warnings
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,14 +75,14 @@ def _print_table(outcomes: Sequence[Outcome]) -> None:
     for column in ("scene", "worst", "pairs", "log"):
         table.add_column(column, overflow="fold")
     for outcome in outcomes:
-        worst, found = "failed", "see above"
+        worst, found = "failed", "told on stderr"
         if outcome.result is not None:
             counts = outcome.result.summary["totals"]["pairs"]
             worst = next((verdict for verdict in SEVERITY if counts[verdict]), "no pairs")
             found = ", ".join(f"{counts[verdict]} {verdict}" for verdict in SEVERITY if counts[verdict])
         log = "" if outcome.result is None else str(outcome.log)
         table.add_row(Text(str(outcome.scene)), Text(worst, STYLES.get(worst, "bold red")), Text(found), Text(log))
-    Console(highlight=False).print(table)
+    console_for().print(table)
 
 
 def _as_json(outcome: Outcome) -> dict[str, object]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import dataclass, replace
 from itertools import islice
 from math import inf
@@ -63,7 +64,7 @@ def run_job(scene_path: Path, output: Path, options: RunOptions) -> Result:
         events = shown(events, loaded.scene.start, loaded.scene.end, scene_path.name)
     ready = perf_counter()
     writing = 0.0
-    with LogWriter(output, loaded, settings, len(pairs), _log_options(options)) as log:
+    with LogWriter(output, loaded, settings, len(pairs), _log_options(options)) as log, closing(events):
         for event in events:
             told = perf_counter()
             log.write(event)

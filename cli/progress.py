@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Generator, Iterable
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
@@ -13,7 +13,7 @@ from ..scheduler.events import Collision, Event, Phase, Wakeup
 WAKEUPS_PER_UPDATE = 256
 
 
-def shown(events: Iterable[Event], start: float, end: float, title: str) -> Iterator[Event]:
+def shown(events: Iterable[Event], start: float, end: float, title: str) -> Generator[Event, None, None]:
     """Yield the events while a bar on stderr, if that is a terminal, shows how far they have come."""
     console = Console(stderr=True)
     if not console.is_terminal:

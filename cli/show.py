@@ -56,7 +56,7 @@ def print_summary(summary: Summary, to_stderr: bool = False) -> None:
     pairs = sorted(summary["pairs"], key=_badness)
     console = console_for(to_stderr)
     table = Table(box=None, pad_edge=False, header_style="bold")
-    for column, justify in (("pair", "left"), ("verdict", "left"), ("least distance", "left"), ("contacts", "left")):
+    for column, justify in (("pair", "left"), ("verdict", "left"), ("least distance", "left"), ("when", "left")):
         table.add_column(column, justify=justify, overflow="fold")  # type: ignore[arg-type]
     for pair in pairs[:MOST_ROWS]:
         verdict = pair["verdict"]
@@ -68,9 +68,9 @@ def print_summary(summary: Summary, to_stderr: bool = False) -> None:
     counts = summary["totals"]["pairs"]
     found = ", ".join(f"{counts[verdict]} {verdict}" for verdict in SEVERITY if counts.get(verdict))
     start, end = summary["time"]
-    console.print(
-        f"{counted(summary['pairs_total'], 'pair')} over [{start:g}, {end:g}] s: {found or 'nothing to check'}"
-    )
+    ignored = f"; {summary['pairs_ignored']} ignored by the scene" if summary.get("pairs_ignored") else ""
+    pairs_told = counted(summary["pairs_total"], "pair")
+    console.print(f"{pairs_told} over [{start:g}, {end:g}] s: {found or 'nothing to check'}{ignored}")
 
 
 def _badness(pair: PairSummary) -> tuple[int, float, str]:
@@ -90,15 +90,15 @@ def _distance(pair: PairSummary) -> str:
 
 
 def _contacts(pair: PairSummary) -> str:
-    """Return the first contact's begin and end with the keys it lies between, and how many there are."""
+    """Return the first contact's begin with the keys it lies between, its end, and how many more there are."""
     contacts = pair["contacts"]
     if not contacts:
         return _spans(pair)
     first = contacts[0]
     end = "the end" if first["end"] is None else f"{first['end'][0]:.7g} s"
-    keys = "".join(f", {body} {_between(*around)}" for body, around in first["keys"].items())
+    keys = ", ".join(f"{body} {_between(*around)}" for body, around in first["keys"].items())
     more = f" and {len(contacts) - 1} more" if len(contacts) > 1 else ""
-    return f"{first['begin'][1]:.7g} .. {end}{keys}{more}"
+    return f"{first['begin'][1]:.7g}{f' ({keys})' if keys else ''} .. {end}{more}"
 
 
 def _spans(pair: PairSummary) -> str:

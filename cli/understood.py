@@ -16,11 +16,14 @@ from ..formats.scene.errors import counted
 from ..formats.scene.loaded import LoadedScene
 from ..scheduler.motions import Ballistic, Delayed, Looped
 from ..scheduler.pair import Pair
+from ..scheduler.pairing import ignored_pairs
 from ..scheduler.scene import Body, Scene
 from .show import console_for
 
 #: Rows of the table for people.
 MOST_ROWS = 40
+#: Ignored pairs that are named.
+MOST_NAMED = 8
 #: Stretches of a motion, from knot to knot, in which its top speed is sought. Of a longer one it is not told.
 MOST_STRETCHES = 20_000
 
@@ -40,6 +43,7 @@ def understood(loaded: LoadedScene, pairs: Sequence[Pair]) -> dict[str, Any]:
         "bodies": [_body(scene, body, files) for body in scene.bodies],
         "pairs": len(pairs),
         "pairs_possible": _possible(scene),
+        "ignored": [f"{scene.bodies[a].name}|{scene.bodies[b].name}" for a, b in ignored_pairs(scene)],
         "margins": sorted({pair.margin for pair in pairs}),
         "files": [
             {"name": file.name, "path": str(file.path)} for file in (*loaded.mesh_files, *loaded.trajectory_files)
@@ -63,14 +67,22 @@ def print_understood(loaded: LoadedScene, pairs: Sequence[Pair]) -> None:
     console.print(table)
     if len(scene.bodies) > MOST_ROWS:
         console.print(f"... and {counted(len(scene.bodies) - MOST_ROWS, 'more body', 'more bodies')}")
-    bodies, possible = counted(len(scene.bodies), "body", "bodies"), _possible(scene)
-    others = "" if possible == len(pairs) else "; the others are ignored, or do not move relative to each other"
+    bodies, possible, ignored = counted(len(scene.bodies), "body", "bodies"), _possible(scene), ignored_pairs(scene)
+    others = f"; {len(ignored)} ignored: {_named(scene, ignored)}" if ignored else ""
+    if still := possible - len(pairs) - len(ignored):
+        others += f"; {still} never move relative to each other, or never meet in time"
     console.print(f"{bodies}, {len(pairs)} of {counted(possible, 'pair')} to check{others}")
     margins = sorted({pair.margin for pair in pairs if pair.margin > 0.0})
     if margins:
         more = f" and {len(margins) - 5} more" if len(margins) > 5 else ""
         console.print(f"margins {', '.join(f'{margin:.6g}' for margin in margins[:5])} m{more}")
     console.print(f"from {scene.start:g} to {scene.end:g} s, time resolution {settings.time_resolution:g} s")
+
+
+def _named(scene: Scene, pairs: Sequence[tuple[int, int]]) -> str:
+    """Return the names of the first pairs."""
+    names = [f"{scene.bodies[a].name}|{scene.bodies[b].name}" for a, b in pairs[:MOST_NAMED]]
+    return ", ".join(names) + (f" and {len(pairs) - MOST_NAMED} more" if len(pairs) > MOST_NAMED else "")
 
 
 def _possible(scene: Scene) -> int:
@@ -96,7 +108,7 @@ def print_ignores(scene: Scene, pairs: Sequence[Pair]) -> None:
     """Print the pairs that touch when both bodies are first there, as the scene's `pairs` section."""
     touching = [pair for pair in pairs if pair.look_inside(pair.measure(pair.start)).touching]
     if not touching:
-        click.echo("no pair touches at the start", err=True)
+        click.echo("no pair that is checked touches at the start", err=True)
         return
     click.echo("pairs:\n  ignore:")
     for pair in touching:

@@ -212,6 +212,11 @@ def lineage(bodies: tuple[Body, ...], body: int) -> tuple[int, ...]:
     return tuple(line)
 
 
+def anchor(bodies: tuple[Body, ...], body: int) -> int | None:
+    """Return the nearest of a body and its ancestors that moves in its parent; bodies of one never part."""
+    return next((index for index in lineage(bodies, body) if not isinstance(bodies[index].motion, Fixed)), None)
+
+
 def parents_first(bodies: tuple[Body, ...]) -> tuple[int, ...]:
     """Return the bodies' indices ordered so that a parent comes before its children."""
     order: list[int] = []

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .chain import Chain, chain_to, common_ancestor, lineage
+from .chain import Chain, anchor, chain_to, common_ancestor, lineage
 from .events import PairKey
 from .extent import Ball, Extent, body_extent
 from .motions import Limits
@@ -52,6 +52,20 @@ def pairs_that_might_collide(scene: Scene, narrow_phase: NarrowPhase, margin: fl
             still = RelativeMotion(sides.at_rest(a, ancestor), sides.at_rest(b, ancestor))
             at_start = Pair(key, scene, still, narrow_phase, own, (a, b))
         yield Pair(key, scene, motion, narrow_phase, own, (one.measured, other.measured), at_start)
+
+
+def ignored_pairs(scene: Scene) -> list[tuple[int, int]]:
+    """Return the pairs that only the scene's rules keep from being checked."""
+    rules = scene.rules
+    if rules.default and not rules.ignored:
+        return []
+    anchors = {index: anchor(scene.bodies, index) for index, body in enumerate(scene.bodies) if body.shapes}
+
+    def meet(a: int, b: int) -> bool:
+        begin, end = scene.shared_time(a, b)
+        return a in anchors and b in anchors and anchors[a] != anchors[b] and begin < end
+
+    return [(a, b) for a, b in all_pairs(len(scene.bodies)) if not rules.allow(a, b) and meet(a, b)]
 
 
 class Sides:

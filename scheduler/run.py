@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Generator, Iterable
 
 from .events import Bound, Event, Reason, Wakeup
 from .heap import WakeupQueue
@@ -11,7 +11,7 @@ from .scene import Settings
 from .watch import Watch
 
 
-def run(pairs: Iterable[Pair], settings: Settings) -> Iterator[Event]:
+def run(pairs: Iterable[Pair], settings: Settings) -> Generator[Event, None, None]:
     """Yield everything that happens between the pairs that might collide, from the scene's start to its end.
 
     Invariant: every such pair sleeps in the heap, and until its wakeup either it provably cannot touch, or the step is

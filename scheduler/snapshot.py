@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Generator, Iterable, Iterator, Sequence
 from heapq import merge
 from itertools import groupby
 from math import floor, inf, sqrt
@@ -129,7 +129,7 @@ class Travel:
 
 def observed(
     events: Iterable[Event], observer: Observer, scene: Scene, rate: float, time_resolution: float
-) -> Iterator[Event]:
+) -> Generator[Event, None, None]:
     """Yield the events with snapshots between them: at start, every 1/rate s, at the end, and at each collision.
 
     They are also taken whenever a body appears or vanishes, whatever the rate. A tick is taken once every pair is

@@ -113,3 +113,19 @@ def test_every_help_has_an_example(tmp_path, arguments):
     done = closecall(*arguments, cwd=tmp_path)
     assert done.returncode == 0
     assert "Example: closecall" in done.stdout
+
+
+def test_readme_prints_what_the_first_command_prints(tmp_path):
+    root = Path(__file__).parents[1]
+    readme = (root / "README.md").read_text(encoding="utf-8")
+    shown = readme.split("It ends in a short table, worst pairs first:\n\n```\n")[1].split("```")[0]
+    done = closecall("run", root / "sample_scenes" / "spinning_bar" / "scene.yaml", "-o", "bar.mcap", cwd=tmp_path)
+    assert [line.rstrip() for line in done.stdout.splitlines()] == shown.splitlines()
+
+
+def test_what_the_scene_ignores_is_counted_and_named(scene, tmp_path):
+    scene.write_text(SPHERES + "pairs:\n  ignore: [{between: [left, right], reason: for once}]\n")
+    done = closecall("run", scene, "-o", "out.mcap", cwd=tmp_path)
+    assert "0 pairs over [0, 5] s: nothing to check; 1 ignored by the scene" in done.stdout
+    assert json.loads(closecall("summary", "out.mcap", "--json", cwd=tmp_path).stdout)["pairs_ignored"] == 1
+    assert "; 1 ignored: left|right" in closecall("check", scene, cwd=tmp_path).stdout

@@ -79,7 +79,7 @@ def collision(pair: PairKey, phase: Phase, clear: float, touching: float) -> Col
 
 def test_summary_has_the_contracts_keys_in_its_order():
     summary = folded(span(FIRST, Verdict.CLEAR, 0.0, 10.0, 0.25))
-    assert list(summary) == ["closecall", "time", "settings", "pairs_total", "pairs", "totals"]
+    assert list(summary) == ["closecall", "time", "settings", "pairs_total", "pairs_ignored", "pairs", "totals"]
     assert summary["time"] == [0.0, 10.0]
     assert summary["settings"]["time_resolution"] == 1e-3
     assert summary["pairs"] == [
@@ -88,6 +88,7 @@ def test_summary_has_the_contracts_keys_in_its_order():
             "body_a": "gear",
             "body_b": "hammer",
             "verdict": "clear",
+            "margin": 0.0,
             "distance": {"lower": 0.25, "upper": None, "time": None},
             "chord_error": 0.0,
             "contacts": [],

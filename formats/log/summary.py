@@ -13,6 +13,7 @@ from typing import TypedDict
 from closecall import __version__
 
 from ...scheduler.events import Collision, Distance, Event, Level, PairKey, Phase, Snapshot, Span, Verdict, Wakeup
+from ...scheduler.pairing import ignored_pairs
 from ...scheduler.scene import Scene, Settings
 
 # From worst to best; a pair's verdict is the worst of its spans'.
@@ -46,7 +47,8 @@ class Contact(TypedDict):
 class PairSummary(TypedDict):
     """What the run found of one pair.
 
-    `queries` counts wakeups by the level that answered them. Round bodies are measured as polyhedra that enclose them:
+    `margin`, m, is what the verdict was measured against. `queries` counts wakeups by the level that answered them.
+    Round bodies are measured as polyhedra that enclose them:
     `chord_error`, m, is how much farther apart the bodies themselves may be; `upper` includes it.
     """
 
@@ -54,6 +56,7 @@ class PairSummary(TypedDict):
     body_a: str
     body_b: str
     verdict: str
+    margin: float
     distance: DistanceRange
     chord_error: float
     contacts: list[Contact]
@@ -74,12 +77,16 @@ class Totals(TypedDict):
 
 
 class Summary(TypedDict):
-    """What the run found; pairs that the broad phase alone cleared are counted, not listed."""
+    """What the run found; pairs that the broad phase alone cleared are counted, not listed.
+
+    `pairs_ignored` counts the pairs that only the scene's rules kept from being checked.
+    """
 
     closecall: str
     time: list[float]
     settings: dict[str, float | None]
     pairs_total: int
+    pairs_ignored: int
     pairs: list[PairSummary]
     totals: Totals
 
@@ -153,6 +160,7 @@ class SummaryBuilder:
         pairs_total: int,
         keys_around: Callable[[int, float], tuple[str, str]] = lambda body, time: ("", ""),
     ) -> None:
+        self._scene = scene
         self._names = tuple(body.name for body in scene.bodies)
         self._chord_errors = tuple(body.chord_error for body in scene.bodies)
         self._keys_around = keys_around
@@ -198,6 +206,7 @@ class SummaryBuilder:
             "time": list(self._time),
             "settings": asdict(self._settings),
             "pairs_total": self._pairs_total,
+            "pairs_ignored": len(ignored_pairs(self._scene)),
             "pairs": pairs,
             "totals": self._totals(pairs),
         }
@@ -211,6 +220,7 @@ class SummaryBuilder:
             "body_a": body_a,
             "body_b": body_b,
             "verdict": findings.verdict(),
+            "margin": self._scene.rules.margin(key.a, key.b, self._settings.margin),
             "distance": findings.distance(chord_error),
             "chord_error": chord_error,
             "contacts": self._contacts(key),

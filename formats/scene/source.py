@@ -44,4 +44,9 @@ def _decoded(data: bytes, file: str) -> str:
         begin = data.rfind(b"\n", 0, error.start) + 1
         column = len(data[begin : error.start].decode("utf-8")) + 1
         byte = data[error.start]
-        refuse(file, (line, column), (), f"the byte 0x{byte:02X} is not UTF-8, save the file as UTF-8")
+        refuse(
+            file,
+            (line, column),
+            (),
+            f"the byte 0x{byte:02X} is not UTF-8, expected YAML or JSON text",
+        )
