@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Generator
 from math import inf
 
-from .events import Bound, Distance, Reason, Wakeup
+from .events import Bound, Distance, Reason, Verdict, Wakeup
 from .outlook import Outlook
 from .pair import Measurement, Pair
 from .stretches import Stretch
@@ -20,7 +20,7 @@ LEAST_TOLERANCE = 1e-6
 #: No better than this many times the error of measurement either: the target stays below what is measured.
 ERRORS = 8.0
 #: Measurements a pair at most; the bracket stays wider where they do not suffice.
-MOST_MEASUREMENTS = 10_000
+MOST_MEASUREMENTS = 4_000
 #: Bounding spheres settle a measurement above this many times the target.
 SPHERES_SUFFICE = 2.0
 
@@ -71,7 +71,10 @@ class LeastDistance:
                 continue
             if not (yield from self._advance(stretch)):
                 return
-            self._stretches[index] = stretch._replace(clearance=max(stretch.clearance, self.target))
+            clearance = max(stretch.clearance, self.target)
+            # What grazed its margin may turn out to have kept it.
+            verdict = Verdict.CLEAR if clearance > self._pair.margin else stretch.verdict
+            self._stretches[index] = stretch._replace(verdict=verdict, clearance=clearance)
 
     def _advance(self, stretch: Stretch) -> Generator[Found, None, bool]:
         """Prove the whole stretch, both ends included, to stay above the target; return whether that was done.
@@ -81,16 +84,17 @@ class LeastDistance:
         time = stretch.start
         while True:
             measurement = self._measured(time)
-            ahead = stretch.end - time
+            stop = min(stretch.end, self._pair.motion.stop_after(time))  # joined stretches may hold jumps
+            ahead = stop - time
             sleep, bound = 0.0, Bound.NONE
-            if ahead > 0.0:
+            if time < stretch.end:
                 sleep, bound = Outlook(self._pair, measurement, self.target).sleep(ahead, self._floor)
             if (distance := self._pair.distance(measurement)) is not None:
                 yield distance
             yield Wakeup(time, self._pair.key, Reason.MINIMUM, measurement.level, bound, measurement.clearance, sleep)
-            if ahead <= 0.0:
+            if time >= stretch.end:
                 return True
-            woken = stretch.end if sleep >= ahead else min(time + sleep, stretch.end)
+            woken = stop if sleep >= ahead else min(time + sleep, stop)
             if woken == time or self._left <= 0:
                 return False
             time = woken

@@ -121,6 +121,7 @@ class PlacedShape:
         self.shape = shape
         self.model = model
         self.reach = model.ball.radius + shape.radius
+        self.extent = norm(model.ball.centre) + norm(translation_of(shape.pose)) + self.reach
         self.crisp = shape.radius == 0.0 and not model.degenerate
         self.object = fcl.CollisionObject(model.bvh, fcl.Transform())
         self.pose = shape.pose
@@ -261,10 +262,12 @@ class NarrowPhase:
         return deepest
 
     def error(self, a: int, b: int) -> float:
-        """Return how far (m) a measured distance of the two bodies may be from the true one."""
+        """Return how far (m) a measured distance of the two bodies may be from the true one.
+
+        The terms of each placed point are counted apart: a mesh far from its own origin may be put back by its pose.
+        """
         return sum(
-            DISTANCE_ERROR * max(norm(mapped(part.shape.pose, part.model.ball.centre)) + part.reach for part in parts)
-            + max(part.model.error for part in parts)
+            DISTANCE_ERROR * max(part.extent for part in parts) + max(part.model.error for part in parts)
             for parts in (self._bodies[a], self._bodies[b])
         )
 

@@ -139,7 +139,11 @@ class Pair:
         if measurement.inside is not None:
             return measurement.clearance
         moments = measurement.moments
-        depth = self._narrow_phase.hold(self._a, self._b, moments.a.pose, moments.b.pose)
+        proximity = measurement.proximity
+        if proximity is not None and proximity.distance > 0.0:  # only balls that have grown meet
+            depth = -proximity.distance
+        else:
+            depth = self._narrow_phase.hold(self._a, self._b, moments.a.pose, moments.b.pose)
         return depth + self.motion.spread(measurement.time) - self.error
 
     def slabs(self, measurement: Measurement, duration: float, beyond: float) -> Slabs | None:

@@ -77,7 +77,7 @@ class Observer:
     def _measured(self, pair: Pair, time: float, poses: FloatArray, touching: frozenset[int]) -> Nearness:
         """Measure a pair exactly; one known to be in contact reads 0 even where its surfaces are apart."""
         if pair.possible:
-            told = pair.distance(pair.measure_exactly(time))
+            told = pair.distance(pair.look_inside(pair.measure_exactly(time)))
             assert told is not None
             verdict = Verdict.POSSIBLE if told.distance <= pair.margin else Verdict.CLEAR
             return Nearness(pair.key, told.distance, verdict, told.witness_a, told.witness_b)

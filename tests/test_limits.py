@@ -17,6 +17,7 @@ from closecall.scheduler.narrow_phase import NarrowPhase
 from closecall.scheduler.pairing import pairs_that_might_collide
 from closecall.scheduler.run import run
 from closecall.scheduler.scene import Body, Mesh, PairRules, Scene, Settings, Shape
+from closecall.scheduler.snapshot import Observer
 
 O = (0.0, 0.0, 0.0)  # noqa: E741
 POINT = Mesh("point", np.zeros((1, 3)), np.zeros((1, 3), dtype=np.int64), solid=False)
@@ -210,3 +211,29 @@ def test_no_path_within_the_limits_touches_while_clear(seed):
 )
 def test_limits_that_limit_nothing_are_refused(tmp_path, motion, problem):
     assert problem in fault(tmp_path, MOTION + motion)
+
+
+def test_balls_that_part_again_are_clear_from_then_on():
+    """The reach is 0.3 + 0.5 t, the wall's face at 3 + sin(2 pi t): nobody reaches it between the fifth and sixth s."""
+    person = body("person", ball(0.3), 0.0, Limits(0.0, 0.5, 0.5, 0.0))
+    wall = body("wall", WALL, 3.1, Harmonic((1.0, 0.0, 0.0), 1.0, 1.0, 0.0))
+    events = events_of(person, wall, end=6.0)
+
+    def left(t):
+        return 3.0 + sin(2.0 * pi * t) - 0.3 - 0.5 * t
+
+    times = np.linspace(0.0, 6.0, 6001)
+    gaps = np.array([left(t) for t in times])
+    crossed = np.flatnonzero((gaps[1:] > 0.0) != (gaps[:-1] > 0.0))
+    expected = [brentq(left, times[i], times[i + 1]) for i in crossed]
+    assert changes(events) == [pytest.approx(time, abs=2.0 * TOLERANCE) for time in expected]
+
+
+def test_a_snapshot_of_somebody_inside_a_solid_says_that_contact_is_possible():
+    bodies = (body("person", ball(0.3), 0.0, Limits(0.0, 0.0, 0.5, inf)), body("house", box(10, 10, 10)))
+    scene, narrow_phase = Scene(bodies, 0.0, 1.0, PairRules()), NarrowPhase(bodies)
+    pairs = list(pairs_that_might_collide(scene, narrow_phase, 0.0))
+    observer = Observer(scene, pairs, 5, narrow_phase)
+    for time in (0.1, 0.5, 1.0):
+        (near,) = observer.at(time, frozenset()).nearest
+        assert (near.verdict, near.distance) == (Verdict.POSSIBLE, 0.0)

@@ -7,8 +7,9 @@ from math import hypot, inf, sqrt
 import numpy as np
 import pytest
 
+from closecall.scheduler import stretches
 from closecall.scheduler.events import Distance, Reason, Span, Verdict, Wakeup
-from closecall.scheduler.motions import Constant, Fixed, Harmonic, Keyframes, Translation
+from closecall.scheduler.motions import Constant, Fixed, Harmonic, Keyframes, Looped, Orbit, Translation
 from closecall.scheduler.narrow_phase import NarrowPhase
 from closecall.scheduler.pairing import pairs_that_might_collide
 from closecall.scheduler.run import run
@@ -132,3 +133,32 @@ def test_a_pair_that_touches_is_not_searched():
     events = events_of(ball("still", 0.25, O, Fixed()), runs)
     assert bracket(events)[:2] == (0.0, 0.0)
     assert Reason.MINIMUM not in [event.reason for event in events if isinstance(event, Wakeup)]
+
+
+def path(times, places) -> Keyframes:
+    return Keyframes(
+        np.array(times), np.array(places), np.tile([1.0, 0, 0, 0], (len(times), 1)), Translation.LINEAR, True
+    )
+
+
+def test_a_jump_inside_joined_stretches_is_not_slept_across(monkeypatch):
+    """A ball loops from x = 8 to 1.1 to 8.5 m and jumps back; another goes by on a V, nearest in the seventh loop."""
+    monkeypatch.setattr(stretches, "MOST_STRETCHES", 8)
+    loops, nearest = 12, 6.5
+    loop = Looped(path([0.0, 0.5, 1.0], [[8.0, 0, 0], [1.1, 0, 0], [8.5, 0, 0]]), False, True)
+    away = path([0.0, nearest, loops], [[-0.5 * nearest, 0, 0], [0.0, 0, 0], [-0.5 * (loops - nearest), 0, 0]])
+    events = events_of(ball("away", 0.5, O, away), ball("loops", 0.5, O, loop), end=float(loops))
+    lower, upper, _ = bracket(events)
+    assert lower <= 0.1 + ROUNDING
+    assert upper >= 0.1 - ROUNDING
+
+
+def test_what_seemed_to_graze_its_margin_and_kept_it_is_clear():
+    """A ball on an orbit of 0.02 m at 5000 rad/s comes as near as 0.0525 m, and the margin is 0.05 m."""
+    orbit = Orbit((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), 0.02, 5000.0, 0.0, False)
+    other = ball("other", 0.1, (0.02 + 0.2 + 0.0525, 0.0, 0.0), Harmonic((0.0, 1.0, 0.0), 1e-4, 1.0, 0.0))
+    events = events_of(ball("orbits", 0.1, O, orbit), other, end=0.5, settings=Settings(margin=0.05))
+    for event in events:
+        if isinstance(event, Span) and event.clearance > 0.05:
+            assert event.verdict is Verdict.CLEAR
+    assert bracket(events)[0] <= 0.0525 + ROUNDING

@@ -1,5 +1,6 @@
 """Exact distances, touching, features and containment against closed forms and brute force."""
 
+from fractions import Fraction
 from math import sqrt
 
 import numpy as np
@@ -263,3 +264,25 @@ def test_containment_is_seen_both_ways_and_for_every_part():
     assert phase_of(parts, big).contained(0, 1, EYE, EYE) is not None
     open_sheet = Mesh("sheet", np.array(CORNERS), np.array([[0, 1, 2]]), False)
     assert phase_of(open_sheet, big).contained(0, 1, EYE, EYE) is not None
+
+
+@pytest.mark.parametrize("offset", [0.0, 1e3, 1e6])
+def test_the_error_covers_a_mesh_that_its_pose_brings_back_from_afar(offset):
+    """A box of 1 m whose file has it far away, turned about itself; the truth by fractions."""
+    rng = np.random.default_rng(int(offset))
+    corners = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+    faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    triangles = np.array([t for a, b, c, d in faces for t in ((a, b, c), (a, c, d))])
+    for _ in range(30):
+        angle = float(rng.uniform(0.0, 2.0 * np.pi))
+        pose, there = np.eye(4), np.eye(4)
+        pose[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
+        pose[:3, 3] = -pose[:3, :3] @ np.full(3, offset)
+        there[0, 3] = float(rng.uniform(2.0, 3.0))
+        far = Mesh("far", corners + offset, triangles, True)
+        wall = Mesh("wall", corners * [1.0, 9.0, 9.0], triangles, True)
+        phase = phase_of(Shape(far, 0.0, pose), wall)
+        found = phase.nearest(0, 1, np.eye(4), there).distance
+        places = [sum(Fraction(pose[0, k]) * Fraction(float(v[k])) for k in range(3)) for v in far.vertices]
+        true = Fraction(float(there[0, 3])) - Fraction(1, 2) - max(places) - Fraction(float(pose[0, 3]))
+        assert abs(found - float(true)) <= phase.error(0, 1)

@@ -19,7 +19,7 @@ WORST_FIRST = ("CONTACT", "BREACH", "UNRESOLVED", "POSSIBLE", "CLEAR")
 TIGHTEST = 2e-6
 """m: least distances are known no better than 1e-6 m, and than some errors of measurement."""
 
-SEARCH_LIMIT = 10_000
+SEARCH_LIMIT = 4_000
 """Wakeups of a pair whose least distance may have been given up."""
 
 
