@@ -21,6 +21,13 @@ FOREVER = 1e300
 """s: the period of a single key."""
 
 
+def exact_sum(a: FloatArray, b: float) -> tuple[FloatArray, FloatArray]:
+    """Return a + b as it is rounded, and what the rounding takes off (Knuth)."""
+    total = a + b
+    part = total - a
+    return total, (a - (total - part)) + (b - part)
+
+
 @dataclass(frozen=True, eq=False)
 class KeyPath:
     """Poses at times, and what happens between and outside of them.
@@ -66,7 +73,14 @@ class KeyPath:
         """Bring times to where the keys are: looped where so stated, else held; the last key loops to the first."""
         first, last = self.times[0], self.times[-1]
         span = last - first
-        looped = first + np.mod(t - first, span) if span > 0.0 else np.full_like(t, first)
+        looped = np.full_like(t, first)
+        if span > 0.0:
+            since, lost = exact_sum(t, -first)
+            within = np.mod(since, span)
+            looped, rounded = exact_sum(within, first)
+            before = lost + rounded < 0.0  # a float before a key must not be rounded onto it
+            looped = np.where(before, np.nextafter(looped, -np.inf), looped)
+            looped = np.where((within == 0.0) & (lost < 0.0), last, looped)
         looped = np.minimum(looped, np.nextafter(last, first))
         t = np.where((t < first) & (self.before == "loop"), looped, t)
         t = np.where((t >= last) & (self.after == "loop"), looped, t)
