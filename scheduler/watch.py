@@ -233,6 +233,8 @@ class Watch:
         touching, clear = (after, before) if begins else (before, after)
         # A contact's span runs from the clear side of its begin to the clear side of its end.
         yield from self._extend(before, after, Verdict.CONTACT, 0.0, nan)
+        if not begins:  # the next contact may begin at the very instant that was clear
+            yield from self._spans.finish()
         if not self.pair.possible:
             yield _collision(self.pair, Phase.BEGIN if begins else Phase.END, clear.time, touching)
 

@@ -42,6 +42,18 @@ def test_the_log_of_an_adversarial_scene_is_true(family: str, tmp_path: Path) ->
     assert not faults, "\n".join(faults)
 
 
+@pytest.mark.parametrize(
+    ("family", "number"),
+    [
+        ("parallel_sliding", 41),  # a contact ends and the next begins at one instant that measured clear
+        ("knots_with_jumps", 11),  # a float before a loop's key
+    ],
+)
+def test_the_log_of_a_scene_that_once_was_faulty_is_true(family: str, number: int, tmp_path: Path) -> None:
+    faults = faults_of(family, [number], tmp_path, QUICK)
+    assert not faults, "\n".join(faults)
+
+
 @pytest.mark.deep
 @pytest.mark.parametrize("family", FAMILIES)
 def test_the_logs_of_many_adversarial_scenes_are_true(family: str, tmp_path: Path) -> None:
