@@ -10,42 +10,24 @@ import pytest
 from scene_files import MOTION, fault
 from scipy.integrate import quad
 from scipy.optimize import brentq
+from small_scenes import box, events_of
+from small_scenes import round_shape as ball
 
 from closecall.scheduler.events import Collision, Distance, Phase, Span, Verdict, Wakeup
 from closecall.scheduler.motions import Constant, Fixed, Harmonic, Limits
 from closecall.scheduler.narrow_phase import NarrowPhase
 from closecall.scheduler.pairing import pairs_that_might_collide
-from closecall.scheduler.run import run
-from closecall.scheduler.scene import Body, Mesh, PairRules, Scene, Settings, Shape
+from closecall.scheduler.scene import Body, PairRules, Scene, Settings
 from closecall.scheduler.snapshot import Observer
 
 O = (0.0, 0.0, 0.0)  # noqa: E741
-POINT = Mesh("point", np.zeros((1, 3)), np.zeros((1, 3), dtype=np.int64), solid=False)
-HERE = np.eye(4)
 TOLERANCE = Settings().contact_tolerance
-
-
-def box(x, y, z) -> Shape:
-    vertices = np.array([[i, j, k] for i in (-x, x) for j in (-y, y) for k in (-z, z)]) / 2.0
-    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-    triangles = [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
-    return Shape(Mesh("box", vertices, np.array(triangles), True), 0.0, HERE)
 
 
 def body(name, shape, x=0.0, motion=None, parent=None) -> Body:
     pose = np.eye(4)
     pose[0, 3] = x
     return Body(name, parent, pose, motion or Fixed(), () if shape is None else (shape,))
-
-
-def ball(radius) -> Shape:
-    return Shape(POINT, radius, HERE)
-
-
-def events_of(*bodies, end=4.0, settings=None):
-    settings = settings or Settings()
-    scene = Scene(bodies, 0.0, end, PairRules())
-    return list(run(pairs_that_might_collide(scene, NarrowPhase(bodies), settings.margin), settings))
 
 
 def spans(events) -> list[Span]:

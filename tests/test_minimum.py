@@ -6,26 +6,15 @@ from math import hypot, inf, sqrt
 
 import numpy as np
 import pytest
+from small_scenes import box, events_of, round_shape
 
 from closecall.scheduler import stretches
 from closecall.scheduler.events import Distance, Reason, Span, Verdict, Wakeup
 from closecall.scheduler.motions import Constant, Fixed, Harmonic, Keyframes, Looped, Orbit, Translation
-from closecall.scheduler.narrow_phase import NarrowPhase
-from closecall.scheduler.pairing import pairs_that_might_collide
-from closecall.scheduler.run import run
-from closecall.scheduler.scene import Body, Mesh, PairRules, Scene, Settings, Shape
+from closecall.scheduler.scene import Body, Settings
 
 O = (0.0, 0.0, 0.0)  # noqa: E741
-POINT = Mesh("point", np.zeros((1, 3)), np.zeros((1, 3), dtype=np.int64), solid=False)
-HERE = np.eye(4)
 ROUNDING = 1e-12
-
-
-def box(x, y, z) -> Shape:
-    vertices = np.array([[i, j, k] for i in (-x, x) for j in (-y, y) for k in (-z, z)]) / 2.0
-    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-    triangles = [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
-    return Shape(Mesh("box", vertices, np.array(triangles), True), 0.0, HERE)
 
 
 def body(name, shape, place, motion) -> Body:
@@ -35,13 +24,7 @@ def body(name, shape, place, motion) -> Body:
 
 
 def ball(name, radius, place, motion) -> Body:
-    return body(name, Shape(POINT, radius, HERE), place, motion)
-
-
-def events_of(*bodies, end=4.0, settings=None):
-    settings = settings or Settings()
-    scene = Scene(bodies, 0.0, end, PairRules())
-    return list(run(pairs_that_might_collide(scene, NarrowPhase(bodies), settings.margin), settings))
+    return body(name, round_shape(radius), place, motion)
 
 
 def bracket(events) -> tuple[float, float, float]:
