@@ -11,11 +11,13 @@ import numpy as np
 
 from .extent import Extent
 from .motions import Axis, Fixed, Interval, Limits, Motion, Rates, Reach
+from .motions.spread import STILL, Spread, across, ball, shared
 from .rotation import FloatArray, mapped, translation_of, turned
 from .scene import Body
-from .vector import ZERO, Vector, add, cross, distance_to_line, norm
+from .vector import ZERO, Vector, add, cross, distance_to_line, dot, norm, scale, subtract
 
 _WORLD: FloatArray = np.eye(4)
+_AT_REST = Rates(0.0, STILL, 0.0, 0.0)
 
 
 class Twist(NamedTuple):
@@ -74,6 +76,7 @@ class Chain:
         self._tail_terms = tail_terms
         self.tail = tail
         self.ball = extent.ball
+        self._cores = extent.points
         self._last_centre = mapped(tail, extent.ball.centre)
         self._last_reach = _exact_reach(joints[-1].motion.axis, tail, extent) if joints else None
 
@@ -134,24 +137,28 @@ class Chain:
         """Return suprema over [t, t + duration] of the last moved frame's rates in the ancestor's frame.
 
         Row 'chain, speeds': V = V_P + W_P L + V', A = A_P + (al_P + W_P^2) L + 2 W_P V' + A', and so on, L the
-        farthest that the child's origin gets from its parent's. What is steady stays so where nothing above turns.
+        farthest that the child's origin gets from its parent's. Where nothing above turns, directions stay as they are;
+        where all that turns above does so about one axis, what is added by turning lies across it.
         """
-        speed = acceleration = spin = spin_up = 0.0
-        steady = ZERO
-        for joint, frame in zip(self.joints, moment.frames, strict=True):
-            rates = joint.motion.rates(moment.time, duration)
+        first = _in_frame(self.joints[0], moment.frames[0], moment.time, duration) if self.joints else _AT_REST
+        speed, varying, spin, spin_up, steady, axis = first
+        for joint, frame in zip(self.joints[1:], moment.frames[1:], strict=True):
+            rates = _in_frame(joint, frame, moment.time, duration)
             if spin == 0.0:
-                steady = add(steady, turned(frame, rates.steady))
+                speed, axis = speed + rates.speed, rates.axis
+                steady, varying = add(steady, rates.steady), varying.plus(rates.varying)
             else:
                 arm = norm(translation_of(joint.rest @ joint.motion.pose(moment.time)))
                 arm += joint.motion.displacement(moment.time, duration, origin_reach(joint.motion))
-                speed += spin * arm
-                acceleration += (spin_up + spin**2) * arm + 2.0 * spin * rates.speed + norm(rates.steady)
-            speed += rates.speed
-            acceleration += rates.acceleration
+                by_turning = (spin_up + spin**2) * arm + 2.0 * spin * rates.speed
+                along, rest = _turned_with(axis, rates.steady, rates.varying)
+                speed += spin * arm + rates.speed
+                steady, varying = add(steady, along), varying.plus(rest).plus(across(axis, by_turning))
+                if rates.angular_speed > 0.0:
+                    axis = shared(axis, rates.axis)
             spin_up += rates.angular_acceleration + spin * rates.angular_speed
             spin += rates.angular_speed
-        return Rates(speed, acceleration, spin, spin_up, steady)
+        return Rates(speed, varying, spin, spin_up, steady, axis)
 
     def fastest(self, twist: Twist) -> float:
         """Return above the speed (m/s) of every point of the body and of the terms that it is the sum of."""
@@ -161,6 +168,12 @@ class Chain:
     def radius(self) -> float:
         """The farthest (m) that a point of the body lies from the last moved frame's origin."""
         return self._own_reach.radius if self.joints else 0.0
+
+    @cached_property
+    def core_radius(self) -> float:
+        """The same of the points that span the body, before they are rounded."""
+        placed = self._cores @ self.tail[:3, :3].T + self.tail[:3, 3]
+        return float(np.max(np.linalg.norm(placed, axis=1))) if self.joints else 0.0
 
     def knot_after(self, t: float) -> float:
         """Return the first time > t at which a rate of any joint jumps (inf: none)."""
@@ -196,6 +209,21 @@ class Chain:
     @cached_property
     def _still(self) -> Moment:
         return Moment(0.0, self.tail, self._last_centre, (), ())
+
+
+def _in_frame(joint: Joint, frame: FloatArray, t: float, duration: float) -> Rates:
+    """Return a joint's rates over [t, t + duration] in the frame that `frame` (4x4) maps its rest frame to."""
+    rates = joint.motion.rates(t, duration)
+    axis = None if rates.axis is None else turned(frame, rates.axis)
+    return rates._replace(varying=rates.varying.turned(frame), steady=turned(frame, rates.steady), axis=axis)
+
+
+def _turned_with(axis: Vector | None, steady: Vector, varying: Spread) -> tuple[Vector, Spread]:
+    """Return what stays steady of a frame's vectors while it turns about an axis (None: any), and where the rest is."""
+    if axis is None:
+        return ZERO, ball(norm(steady) + varying.size)
+    along = scale(dot(axis, steady), axis)
+    return along, varying.turning(axis).plus(across(axis, norm(subtract(steady, along))))
 
 
 def origin_reach(motion: Motion) -> Reach:

@@ -88,7 +88,7 @@ class Slabs:
         """Return how long (s, <= horizon) every slab stays wider than `spare` m; errs low."""
 
         def lasts(gaps: Gaps) -> FloatArray:
-            return _roots(gaps.widths * (1.0 - RELATIVE_ROUNDING) - spare, gaps.closings, gaps.bends)
+            return roots(gaps.widths * (1.0 - RELATIVE_ROUNDING) - spare, gaps.closings, gaps.bends)
 
         return self._least(lasts, self.horizon) * (1.0 - RELATIVE_ROUNDING)
 
@@ -139,7 +139,7 @@ class Slabs:
         gaps = high[:, None, :] - low[:, :, None] - taken[:, None, None, None]
         closings = approach[:, :, None] - retreat[:, None, :] + self._slack
         shape = (len(pairs), 9, directions.shape[1])
-        bends = np.maximum(0.0, directions @ self._steady) + self._varying
+        bends = np.maximum(0.0, directions @ self._steady + self._varying.along(directions))
         return Gaps(
             np.swapaxes(gaps.reshape(shape), 1, 2), np.swapaxes(closings.reshape(shape), 1, 2), bends[..., None]
         )
@@ -172,7 +172,7 @@ def _between_nearest_points(one: FloatArray, other: FloatArray, sides: FloatArra
     return shortest
 
 
-def _roots(left: FloatArray, closings: FloatArray, bends: FloatArray) -> FloatArray:
+def roots(left: FloatArray, closings: FloatArray, bends: FloatArray) -> FloatArray:
     """Return when left = closing s + bend s^2 / 2, s; 0 where nothing is left, inf where never."""
     spread = np.sqrt(closings**2 + 2.0 * bends * np.maximum(left, 0.0))
     closing = closings > 0.0

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from math import inf
+
+from .bounds import shortened
 from .events import Bound
 from .pair import Measurement, Pair
 
 #: After a contact that was too shallow to sleep on, this many steps are taken before its depth is asked again.
 STEPS_BETWEEN = 8
+#: Overlaps are first looked at this many steps ahead: farther, motions vary more.
+STEPS_AHEAD = 64.0
 
 
 class Hold:
@@ -23,10 +28,33 @@ class Hold:
         if self._steps_left > 0:
             self._steps_left -= 1
             return 0.0, Bound.TIME_RESOLUTION
-        depth = self._pair.hold(touching)
-        sleep, bound = 0.0, Bound.TIME_RESOLUTION
-        if depth > 0.0:
-            sleep, bound = self._pair.motion.sleep(touching.moments, touching.time, depth, horizon)
+        sleep, bound = self._while_deep(self._pair.depth(touching), touching, horizon)
+        if sleep < horizon and touching.inside is None and not self._pair.possible:
+            sleep, bound = _longer((sleep, bound), self._while_overlapping(touching, horizon))
         if sleep <= self._least:
             self._steps_left = STEPS_BETWEEN
         return sleep, bound
+
+    def _while_overlapping(self, touching: Measurement, horizon: float) -> tuple[float, Bound]:
+        """Sleep while two triangles that meet go on meeting, by the way each corner goes or by how deep they meet."""
+        best, depth = (0.0, Bound.TIME_RESOLUTION), 0.0
+        for steps in (STEPS_AHEAD, inf):
+            ahead = min(steps * self._least, horizon)
+            overlaps = self._pair.overlaps(touching, ahead)
+            if overlaps is None:
+                break
+            sleep, depth = shortened(touching.time, overlaps.sleep()), overlaps.depth
+            best = _longer(best, (sleep, Bound.DIRECTIONAL))
+            if sleep < 0.9 * ahead:
+                break
+        return _longer(best, self._while_deep(depth, touching, horizon))
+
+    def _while_deep(self, depth: float, touching: Measurement, horizon: float) -> tuple[float, Bound]:
+        """Sleep while the bodies cannot have got by `depth` (m) relative to each other."""
+        if depth <= 0.0:
+            return 0.0, Bound.TIME_RESOLUTION
+        return self._pair.motion.sleep(touching.moments, touching.time, depth, horizon)
+
+
+def _longer(one: tuple[float, Bound], other: tuple[float, Bound]) -> tuple[float, Bound]:
+    return other if other[0] > one[0] else one

@@ -21,7 +21,6 @@ from .extent import bounding_ball
 from .nearby import NOTHING, NearTriangles, Triangles, near_pairs
 from .rotation import FloatArray, mapped, translation_of
 from .scene import Body, IntArray, Mesh, Shape
-from .segments import piercing_margin
 from .sliver import EPSILON, without_slivers
 from .solid import Interior, component_points
 from .triangle import Triangle, feature_at, meeting_point
@@ -240,11 +239,11 @@ class NarrowPhase:
         ones, others, radii = zip(*found, strict=True)
         return NearTriangles(np.concatenate(ones), np.concatenate(others), np.concatenate(radii))
 
-    def hold(self, a: int, b: int, pose_a: FloatArray, pose_b: FloatArray) -> float:
+    def depth(self, a: int, b: int, pose_a: FloatArray, pose_b: FloatArray) -> float:
         """Return how far (m) two touching bodies may get relative to each other and touch; errs low, 0 if unknown.
 
-        The deepest of: rounded shapes by what their radii exceed their cores' distance, an edge through a triangle by
-        its margin, a corner inside a solid by its distance to the surface. Errors of measurement are not taken off.
+        The deepest of: rounded shapes by what their radii exceed their cores' distance, a corner inside a solid by its
+        distance to the surface. Errors of measurement are not taken off.
         """
         self._place(a, b, pose_a, pose_b)
         deepest = 0.0
@@ -254,11 +253,8 @@ class NarrowPhase:
             rounding = one.shape.radius + other.shape.radius
             if rounding > 0.0:
                 deepest = max(deepest, rounding - self._core_distance(one, other))
-                continue
-            near = near_pairs(one.model.triangles, other.model.triangles, one.pose, other.pose, 0.0)
-            if near is not None:
-                deepest = max(deepest, piercing_margin(*near))
-            deepest = max(deepest, self._depth(one, other), self._depth(other, one))
+            else:
+                deepest = max(deepest, self._depth(one, other), self._depth(other, one))
         return deepest
 
     def error(self, a: int, b: int) -> float:

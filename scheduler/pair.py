@@ -8,10 +8,12 @@ from math import inf
 
 import numpy as np
 
-from .chain import common_ancestor, lineage
+from .chain import Twist, common_ancestor, lineage
 from .directional import Slabs
 from .events import Distance, Feature, FeatureKind, Level, PairKey, Verdict
 from .narrow_phase import NarrowPhase, Proximity, Rounded
+from .nearby import NearTriangles
+from .overlap import Overlaps, proper
 from .relative import CANCELLATION, Moments, RelativeMotion
 from .rotation import FloatArray, mapped, translation_of
 from .scene import Scene
@@ -134,8 +136,11 @@ class Pair:
         inside = self._narrow_phase.contained(self._a, self._b, moments.a.pose, moments.b.pose)
         return replace(measurement, inside=inside)
 
-    def hold(self, measurement: Measurement) -> float:
-        """Return how far (m) touching bodies may get relative to each other and certainly still touch; 0 if unknown."""
+    def depth(self, measurement: Measurement) -> float:
+        """Return how far (m) touching bodies may get relative to each other and certainly still touch.
+
+        What touches to within the error of measurement may get as far again: then it does to within three times that.
+        """
         if measurement.inside is not None:
             return measurement.clearance
         moments = measurement.moments
@@ -143,8 +148,8 @@ class Pair:
         if proximity is not None and proximity.distance > 0.0:  # only balls that have grown meet
             depth = -proximity.distance
         else:
-            depth = self._narrow_phase.hold(self._a, self._b, moments.a.pose, moments.b.pose)
-        return depth + self.motion.spread(measurement.time) - self.error
+            depth = self._narrow_phase.depth(self._a, self._b, moments.a.pose, moments.b.pose)
+        return max(depth + self.motion.spread(measurement.time) - self.error, self.error)
 
     def slabs(self, measurement: Measurement, duration: float, beyond: float) -> Slabs | None:
         """Return the slabs between the bodies' triangles at a measurement, None where there are too many.
@@ -155,24 +160,45 @@ class Pair:
             beyond: m, what the triangles that are left out keep as distance until then.
         """
         moments = measurement.moments
-        near = self.motion.approach(moments, duration)
+        near = self.motion.approach(moments, duration, cores=True)
         reach = self.motion.displacement(moments, near.horizon) * (1.0 + 1e-6) + beyond
-        pose_a, pose_b = moments.a.pose, moments.b.pose
         spread = self.motion.spread(measurement.time)
-        within = reach + spread + 2.0 * self.error
-        found = self._narrow_phase.triangles_within(self._a, self._b, pose_a, pose_b, within)
+        found = self._triangles_within(moments, reach + spread + 2.0 * self.error)
         if found is None:
             return None
-        centre = translation_of(pose_a)
-        twists = [chain.twist(moment) for chain, moment in ((self.motion.a, moments.a), (self.motion.b, moments.b))]
-        one, other = (twist._replace(origin=subtract(twist.origin, centre)) for twist in twists)
-        slack = CANCELLATION * (self.motion.a.fastest(twists[0]) + self.motion.b.fastest(twists[1]))
+        twists, slack = self._twists(moments)
         proximity = measurement.proximity
         assert proximity is not None
         direction = unit(subtract(proximity.witness_b, proximity.witness_a))
-        error = self.error + spread
         slack += self.motion.growth_speed(measurement.time)
-        return Slabs(found, (one, other), direction, error, reach, near, slack)
+        return Slabs(found, twists, direction, self.error + spread, reach, near, slack)
+
+    def overlaps(self, measurement: Measurement, duration: float) -> Overlaps | None:
+        """Return the overlaps of touching bodies' triangles, None where there are too many.
+
+        Args:
+            measurement: of bodies of known path, whose surfaces touch.
+            duration: s, how far ahead they may be asked of.
+        """
+        moments = measurement.moments
+        found = self._triangles_within(moments, 2.0 * self.error)
+        if found is None:
+            return None
+        near = self.motion.approach(moments, duration, cores=True)
+        twists, slack = self._twists(moments)
+        return Overlaps(proper(found), twists, self.error, near, slack)
+
+    def _triangles_within(self, moments: Moments, reach: float) -> NearTriangles | None:
+        """Return the pairs of triangles that may be within `reach` (m), as seen from the first body's place."""
+        return self._narrow_phase.triangles_within(self._a, self._b, moments.a.pose, moments.b.pose, reach)
+
+    def _twists(self, moments: Moments) -> tuple[tuple[Twist, Twist], float]:
+        """Return how both bodies move, as seen from the first one's place, and by how much (m/s) that may be wrong."""
+        centre = translation_of(moments.a.pose)
+        a, b = self.motion.a.twist(moments.a), self.motion.b.twist(moments.b)
+        slack = CANCELLATION * (self.motion.a.fastest(a) + self.motion.b.fastest(b))
+        one, other = (twist._replace(origin=subtract(twist.origin, centre)) for twist in (a, b))
+        return (one, other), slack
 
     def distance(self, measurement: Measurement) -> Distance | None:
         """Return the measurement as it is reported, in the world's frame; None where nothing exact was measured.

@@ -10,6 +10,7 @@ from .bounds import longest_sleep, shortened, spendable, time_bound, two_sided_c
 from .chain import Chain, Moment
 from .events import Bound
 from .motions import Interval, Limits
+from .motions.spread import Spread, across, ball
 from .vector import Vector, norm, subtract
 
 #: The lecture's bound looks this many times as far ahead as the displacement bound sleeps: farther only loosens it.
@@ -34,14 +35,14 @@ class Approach(NamedTuple):
 
     Attributes:
         steady: m/s^2, what stays the same of the first body's acceleration less that of the second.
-        varying: m/s^2, above the rest of it.
+        varying: m/s^2, where the rest of it is.
     """
 
     speed: float
     acceleration: float
     horizon: float
     steady: Vector
-    varying: float
+    varying: Spread
 
     def distance(self, duration: float) -> float:
         """Return the farthest (m) any point gets relative to any other within `duration`; inf past the horizon."""
@@ -109,9 +110,10 @@ class RelativeMotion:
         moved = self.a.path_length(moments.a, duration) + self.b.path_length(moments.b, duration)
         return moved + self._growth(moments.time, duration)
 
-    def approach(self, moments: Moments, duration: float) -> Approach:
+    def approach(self, moments: Moments, duration: float, cores: bool = False) -> Approach:
         """Return the lecture's v and a for a sleep of up to `duration`, no farther than the next knot.
 
+        For all points, or those of the bodies' cores alone, before they are rounded.
         v = |v_oA - v_oB| + w_A r_A + w_B r_B and a = |a_oA - a_oB| + (al_A + w_A^2) r_A + (al_B + w_B^2) r_B,
         each body's radius about its own frame origin o; v holds at the start, a is the supremum until the horizon.
         """
@@ -119,17 +121,18 @@ class RelativeMotion:
         knot = min(self.a.knot_after(t), self.b.knot_after(t), *(limits.knot_after(t) for limits in self.unknown))
         horizon = duration if knot - t > duration else min(duration, shortened(t, knot - t))
         (_, v_a, w_a), (_, v_b, w_b) = self.a.twist(moments.a), self.b.twist(moments.b)
-        speed = norm(subtract(v_a, v_b)) + norm(w_a) * self.a.radius + norm(w_b) * self.b.radius
+        radius_a, radius_b = (self.a.core_radius, self.b.core_radius) if cores else (self.a.radius, self.b.radius)
+        speed = norm(subtract(v_a, v_b)) + norm(w_a) * radius_a + norm(w_b) * radius_b
         rates_a, rates_b = self.a.rates(moments.a, horizon), self.b.rates(moments.b, horizon)
         steady = subtract(rates_a.steady, rates_b.steady)
-        varying = rates_a.acceleration + rates_b.acceleration
-        for rates, radius in ((rates_a, self.a.radius), (rates_b, self.b.radius)):
-            varying += (rates.angular_acceleration + rates.angular_speed**2) * radius
-        speed += CANCELLATION * (norm(v_a) + norm(v_b))
-        varying += CANCELLATION * (norm(rates_a.steady) + norm(rates_b.steady))
-        speed += self.growth_speed(t)
-        varying += sum(limits.acceleration_after(t) for limits in self.unknown)
-        return Approach(speed, norm(steady) + varying, horizon, steady, varying)
+        varying = rates_a.varying.plus(rates_b.varying)
+        for rates, radius in ((rates_a, radius_a), (rates_b, radius_b)):
+            turning = (rates.angular_acceleration + rates.angular_speed**2) * radius
+            varying = varying.plus(across(rates.axis, turning))
+        speed += CANCELLATION * (norm(v_a) + norm(v_b)) + self.growth_speed(t)
+        lost = CANCELLATION * (norm(rates_a.steady) + norm(rates_b.steady) + varying.size)
+        varying = varying.plus(ball(lost + sum(limits.acceleration_after(t) for limits in self.unknown)))
+        return Approach(speed, norm(steady) + varying.size, horizon, steady, varying)
 
     def growth_speed(self, t: float) -> float:
         """Return how fast (m/s) balls grow at t, or just after."""

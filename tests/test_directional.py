@@ -1,18 +1,17 @@
-"""The directional bound and the margin of a piercing edge, held against dense samples of moving triangles."""
+"""The directional bound, held against dense samples of moving triangles."""
 
 from math import inf
 
 import numpy as np
 import pytest
-from drawn_motions import CONTINUOUS, random_chain, random_unit, random_vector, vector
-from scipy.spatial.transform import Rotation
+from drawn_motions import CONTINUOUS, random_chain, random_unit, vector
 
 from closecall.scheduler import directional
 from closecall.scheduler.chain import Twist
 from closecall.scheduler.directional import Slabs
+from closecall.scheduler.motions.spread import STILL, ball
 from closecall.scheduler.nearby import NearTriangles
 from closecall.scheduler.relative import Approach, RelativeMotion
-from closecall.scheduler.segments import piercing_margin
 from oracle.triangles import separation
 
 CASES = 50
@@ -121,7 +120,7 @@ def test_faces_that_slide_past_each_other_sleep_up_to_the_horizon():
     still = Twist((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     slides = Twist((0.0, 0.0, 0.0), (1000.0, 500.0, 0.0), (0.0, 0.0, 0.0))
     for steady in ((0.0, 0.0, 0.0), (9.81, -3.0, 0.0), (9.81, 0.0, -1.0)):
-        ahead = Approach(1118.1, 10.3, 3.0, steady, 0.0)
+        ahead = Approach(1118.1, 10.3, 3.0, steady, STILL)
         assert Slabs(near, (slides, still), (0.0, 0.0, 1.0), 0.0, 1.0, ahead, 0.0).sleep(0.0) == pytest.approx(3.0)
 
 
@@ -131,26 +130,6 @@ def test_a_steady_acceleration_closes_a_gap_by_its_part_across_it(varying):
     square = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]])
     still = Twist((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     near = NearTriangles(square, square + np.array([0.0, 0.0, 1e-3]), np.zeros(1))
-    ahead = Approach(0.0, 10.0, 3.0, (9.0, 0.0, 2.0), varying)
+    ahead = Approach(0.0, 10.0, 3.0, (9.0, 0.0, 2.0), ball(varying))
     found = Slabs(near, (still, still), (0.0, 0.0, 1.0), 0.0, 1.0, ahead, 0.0).sleep(0.0)
     assert found == pytest.approx(np.sqrt(2.0 * 1e-3 / (2.0 + varying)))
-
-
-def test_an_edge_stays_through_a_triangle_while_both_move_less_than_the_margin():
-    rng = np.random.default_rng(5)
-    pierced = 0
-    for _ in range(20 * CASES):
-        one, other = rng.normal(size=(2, 1, 3, 3))
-        margin = piercing_margin(one, other)
-        assert (margin > 0.0) <= (distances(one, other)[0] <= 0.0)
-        if margin == 0.0:
-            continue
-        pierced += 1
-        for _ in range(10):
-            turn = Rotation.from_rotvec(np.array(random_vector(rng)) * margin).as_matrix()
-            there = other @ turn.T + random_vector(rng) if rng.random() < 0.5 else other + random_vector(rng)
-            way = np.linalg.norm(there - other, axis=2).max()
-            there = other + (there - other) * 0.999 * margin / way if rng.random() < 0.5 else there
-            if np.linalg.norm(there - other, axis=2).max() < margin:
-                assert distances(one, there)[0] <= 0.0
-    assert pierced > CASES

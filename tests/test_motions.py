@@ -11,6 +11,7 @@ from drawn_motions import (
     paths,
     pose_error,
     random_chain,
+    random_unit,
     reach_of,
     spec_of,
 )
@@ -85,6 +86,12 @@ def test_the_bounds_are_tight_for_one_point(kind):
     assert np.median(path_length) < 2.0
 
 
+def directions_to_ask(rng, rates) -> np.ndarray:
+    """Return unit directions (n, 3): the axes, those that the bounds single out, and random ones."""
+    singled = [normal for normal, _ in rates.varying.discs] + [rates.axis] * (rates.axis is not None)
+    return np.vstack((np.eye(3), -np.eye(3), *singled, [random_unit(rng) for _ in range(5)]))
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_rates_bound_the_origin_and_the_turning_up_to_the_next_knot(kind):
     rng = np.random.default_rng(4)
@@ -93,6 +100,7 @@ def test_rates_bound_the_origin_and_the_turning_up_to_the_next_knot(kind):
         t, duration = interval(rng, motion)
         duration = min(duration, (motion.knot_after(t) - t) * (1 - 1e-9))
         rates = motion.rates(t, duration)
+        directions = directions_to_ask(rng, rates)
         step = min(1e-4, duration / 50)
         rounding = pose_error(motion, t, duration, 1.0)
         for s in np.linspace(t + step, t + duration - step, 8):
@@ -101,7 +109,12 @@ def test_rates_bound_the_origin_and_the_turning_up_to_the_next_knot(kind):
             assert np.linalg.norm(velocity) <= rates.speed * (1 + 1e-6) + 1e-6 + rounding / step
             acceleration = (after[:3, 3] - 2 * here[:3, 3] + before[:3, 3]) / step**2
             slack = 1e-5 * (1 + rates.acceleration) + 4 * rounding / step**2
-            assert np.linalg.norm(acceleration - np.array(rates.steady)) <= rates.acceleration + slack
+            varying = acceleration - np.array(rates.steady)
+            assert np.linalg.norm(varying) <= rates.acceleration + slack
+            assert np.all(directions @ varying <= rates.varying.along(directions) + slack)
+            if rates.axis is not None and rates.angular_speed > 0.0:
+                spin = Rotation.from_matrix(after[:3, :3] @ before[:3, :3].T).as_rotvec() / (2 * step)
+                assert np.linalg.norm(np.cross(spin, rates.axis)) <= 1e-6 + rounding / step
             turn = np.linalg.norm(after[:3, :3] - before[:3, :3]) / np.sqrt(2) / (2 * step)
             assert turn <= rates.angular_speed * (1 + 1e-6) + 1e-6 + rounding / step
 

@@ -8,6 +8,7 @@ from math import hypot, sqrt
 from ..rotation import FloatArray, chord, transform, turn
 from ..vector import ZERO, Vector, add, dot, norm, scale, subtract, unit
 from .base import Axis, Interval, Rates, Reach, Smooth, farthest_from_zero
+from .spread import STILL
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +55,8 @@ class Ballistic(Smooth):
     def rates(self, t: float, duration: float) -> Rates:
         """Row 'ballistic': the speed's maximum is at one end; the acceleration is all steady."""
         speed = max(norm(self.velocities(t)[0]), norm(self.velocities(t + duration)[0]))
-        return Rates(speed, 0.0, norm(self.angular_velocity), 0.0, self.acceleration)
+        spin = norm(self.angular_velocity)
+        return Rates(speed, STILL, spin, 0.0, self.acceleration, unit(self.angular_velocity))
 
     def extent(self, times: Interval) -> float:
         """Return |v| t + |a| t^2 / 2."""

@@ -13,6 +13,7 @@ from typing import NamedTuple, Protocol
 
 from ..rotation import IDENTITY, FloatArray, transform
 from ..vector import ZERO, Vector
+from .spread import STILL, Spread
 
 Interval = tuple[float, float]
 """From and to, scene s."""
@@ -33,16 +34,28 @@ class Reach(NamedTuple):
 
 
 class Rates(NamedTuple):
-    """Suprema over an interval: of the frame origin's motion and of the frame's turning.
+    """Suprema over an interval: of the frame origin's motion and of the frame's turning, in the rest frame.
 
-    `acceleration` bounds |a - steady|, where `steady` is a constant vector of the rest frame.
+    Attributes:
+        speed: m/s.
+        varying: m/s^2, where the acceleration may be about `steady`.
+        angular_speed: rad/s.
+        angular_acceleration: rad/s^2.
+        steady: m/s^2, a constant vector.
+        axis: the unit vector that the frame turns about throughout, None where it may change.
     """
 
     speed: float
-    acceleration: float
+    varying: Spread
     angular_speed: float
     angular_acceleration: float
     steady: Vector = ZERO
+    axis: Vector | None = None
+
+    @property
+    def acceleration(self) -> float:
+        """Above |a - steady|, m/s^2."""
+        return self.varying.size
 
 
 class Motion(Protocol):
@@ -139,7 +152,7 @@ class Fixed(Smooth):
 
     def rates(self, t: float, duration: float) -> Rates:
         """Return zeros."""
-        return Rates(0.0, 0.0, 0.0, 0.0)
+        return Rates(0.0, STILL, 0.0, 0.0)
 
     def extent(self, times: Interval) -> float:
         """Return 0."""

@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..rotation import FloatArray
+from ..vector import Vector
+from .spread import Spread, ball, between
 
 #: An interval is cut into half as many cells to as many, each with its own control points.
 CELLS = 16
@@ -61,28 +63,45 @@ class Arc(NamedTuple):
 
     def supremum(self, duration: float) -> float:
         """Return an upper bound on the norm over 0 <= s <= duration, non-decreasing in the duration."""
-        squares, _, _, rounding = self._control_squares(duration)
-        return sqrt(squares.max()) + rounding
+        points, _, _, rounding = self._control_points(duration)
+        return sqrt(np.einsum("pd,pd->p", points, points).max()) + rounding
+
+    def spread(self, duration: float) -> tuple[Vector, Spread]:
+        """Return the middle of the values over 0 <= s <= duration, and where they lie about it.
+
+        On a straight segment for degree 1, in a box around the control points for more.
+        """
+        count = len(self.sizes)
+        if count <= 2:
+            (x, y, z), (u, v, w) = self.coefficients[0].tolist(), (duration * self.coefficients[-1]).tolist()
+            steady, varying = between((x, y, z), (x + u, y + v, z + w) if count == 2 else (x, y, z))
+            rounding = 4.0 * EPSILON * float(self.sizes @ duration ** _orders(count))
+            return steady, varying.plus(ball(rounding))
+        points, _, _, rounding = self._control_points(duration)
+        low, high = points.min(axis=0), points.max(axis=0)
+        x, y, z = (0.5 * (low + high)).tolist()
+        u, v, w = (0.5 * (high - low)).tolist()
+        return (x, y, z), Spread(rounding, (), ((u, 0.0, 0.0), (0.0, v, 0.0), (0.0, 0.0, w)))
 
     def integral(self, duration: float) -> float:
         """Return an upper bound on the integral of the norm over [0, duration], non-decreasing in the duration.
 
         The norm is below the same blend of the control points' norms, whose mean its integral is.
         """
-        squares, length, part, rounding = self._control_squares(duration)
-        norms, count = np.sqrt(squares), len(self.sizes)
+        points, length, part, rounding = self._control_points(duration)
+        norms, count = np.linalg.norm(points, axis=1), len(self.sizes)
         total = float(norms.sum()) - (1.0 - part) * float(norms[-count:].sum())
         return total / count * length + duration * rounding
 
-    def _control_squares(self, duration: float) -> tuple[FloatArray, float, float, float]:
-        """Return the squared norms of the control points, cell by cell, and what the cells are.
+    def _control_points(self, duration: float) -> tuple[FloatArray, float, float, float]:
+        """Return the control points, cell by cell, and what the cells are.
 
         Cells of equal length from the start, the last cut short. Their length is unit / CELLS times the power of two
         that makes CELLS of them reach the end. A longer duration adds cells, lengthens the last, or joins them in
         pairs: the new hulls hold the old.
 
         Returns:
-            The squares, (cells * (degree + 1),); the length of a cell; the part of it that the last one has; and what
+            The points, (cells * (degree + 1), 3); the length of a cell; the part of it that the last one has; and what
             floating point may take off a control point, every entry of the matrices being at most 1.
         """
         count = len(self.sizes)
@@ -99,7 +118,7 @@ class Arc(NamedTuple):
             points[-count:] = _cuts(count)[part] @ points[-count:]
         reached = _powers_of_ticks(count)[ticks] @ (self.sizes * powers)
         rounding = 4.0 * (count + 1.0) * EPSILON * float(reached)
-        return np.einsum("pd,pd->p", points, points), whole / CELLS, part / PARTS, rounding
+        return points, whole / CELLS, part / PARTS, rounding
 
 
 @cache

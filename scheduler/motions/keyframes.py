@@ -9,11 +9,12 @@ from math import inf, nextafter
 import numpy as np
 
 from ..rotation import FloatArray, chord
-from ..vector import ZERO, Vector, norm
+from ..vector import ZERO, Vector, norm, unit
 from .base import Axis, Interval, Rates, Reach
 from .hermite import Translation, path_between
 from .path import Path
 from .spans import Span
+from .spread import STILL
 from .turning import Turning
 
 
@@ -90,10 +91,11 @@ class Keyframes:
     def rates(self, t: float, duration: float) -> Rates:
         """Rows 'polynomial, Hermite' and 'slerp segment', whose rate is constant."""
         if t < self._knots[0]:
-            return Rates(0.0, 0.0, 0.0, 0.0)
+            return Rates(0.0, STILL, 0.0, 0.0)
         key, since = self.segment(t)
-        speed, acceleration = self.path.rates(key, since, duration)
-        return Rates(speed, acceleration, norm(self.turning.velocity(key)), 0.0)
+        speed, steady, varying = self.path.rates(key, since, duration)
+        turning = self.turning.velocity(key)
+        return Rates(speed, varying, norm(turning), 0.0, steady, unit(turning))
 
     def knot_after(self, t: float) -> float:
         """Return the next key's time (inf: none)."""

@@ -8,6 +8,7 @@ from math import inf
 from ..rotation import IDENTITY, FloatArray, transform
 from ..vector import ZERO, Vector
 from .base import Axis, Interval, Rates, Reach, Smooth
+from .spread import ball
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +86,7 @@ class Limits(Smooth):
 
     def rates(self, t: float, duration: float) -> Rates:
         """Return the limits; how it turns is not limited."""
-        return Rates(self.speed_at(t + duration), self.max_acceleration, inf, inf)
+        return Rates(self.speed_at(t + duration), ball(self.max_acceleration), inf, inf)
 
     def extent(self, times: Interval) -> float:
         """Return the reach at the last of the times."""

@@ -8,6 +8,7 @@ from math import cos, sin
 from ..rotation import IDENTITY, FloatArray, chord, transform, turn
 from ..vector import ZERO, Vector, add, cross, scale
 from .base import Axis, Interval, Rates, Reach, Smooth, farthest_from_zero
+from .spread import disc
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +59,8 @@ class Orbit(Smooth):
     def rates(self, t: float, duration: float) -> Rates:
         """The origin runs on a circle: speed w R, acceleration w^2 R, both constant."""
         radius, rate = abs(self.radius), abs(self.rate)
-        return Rates(rate * radius, rate * rate * radius, rate if self.facing else 0.0, 0.0)
+        bend = disc(self.axis_direction, rate * rate * radius)
+        return Rates(rate * radius, bend, rate if self.facing else 0.0, 0.0, axis=self.axis_direction)
 
     def extent(self, times: Interval) -> float:
         """Return both terms' radii."""

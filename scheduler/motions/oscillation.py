@@ -8,6 +8,7 @@ from math import ceil, floor, fmod, hypot, pi, sin, sqrt
 from ..rotation import IDENTITY, FloatArray, apply, chord, transform, turn, turned_about
 from ..vector import ZERO, Vector, cross, distance_to_line, norm, scale
 from .base import Axis, Interval, Rates, Reach, Smooth
+from .spread import between, disc
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,11 +44,13 @@ class Harmonic(Smooth):
         return scale(rate, self.direction), ZERO
 
     def rates(self, t: float, duration: float) -> Rates:
-        """Speed and acceleration by the largest |cos| and |sin| over the interval."""
-        w = _frequency(self)
-        largest_sin, largest_cos, _ = _phase_extremes(*_phases(self, t, duration))
-        size = abs(self.amplitude)
-        return Rates(size * w * largest_cos, size * w * w * largest_sin, 0.0, 0.0)
+        """Speed by the largest |cos| over the interval; the acceleration runs along the line as far as the sine."""
+        w, phases = _frequency(self), _phases(self, t, duration)
+        _, largest_cos, _ = _phase_extremes(*phases)
+        steepest = -self.amplitude * w * w
+        one, other = (scale(steepest * sine, self.direction) for sine in _sine_range(*phases))
+        steady, varying = between(one, other)
+        return Rates(abs(self.amplitude) * w * largest_cos, varying, 0.0, 0.0, steady)
 
     def extent(self, times: Interval) -> float:
         """Return the amplitude."""
@@ -105,7 +108,8 @@ class Swing(Smooth):
 
         bound = max(acceleration(largest_sin**2), acceleration(least_sin**2))
         spin = size * w * largest_cos
-        return Rates(radius * spin, bound, spin, size * w * w * largest_sin)
+        bend = disc(self.axis_direction, bound)
+        return Rates(radius * spin, bend, spin, size * w * w * largest_sin, axis=self.axis_direction)
 
     def extent(self, times: Interval) -> float:
         """Return 2 |point|."""
@@ -144,10 +148,16 @@ def _crosses(first: float, last: float, offset: float, step: float) -> bool:
 
 def _sine_departure(first: float, last: float) -> float:
     """Return the largest |sin(x) - sin(first)| over x in [first, last]."""
+    here, (lowest, highest) = sin(first), _sine_range(first, last)
+    return max(highest - here, here - lowest)
+
+
+def _sine_range(first: float, last: float) -> tuple[float, float]:
+    """Return the least and the largest sin over [first, last]."""
     here, there = sin(first), sin(last)
     highest = 1.0 if _crosses(first, last, 0.5 * pi, 2.0 * pi) else max(here, there)
     lowest = -1.0 if _crosses(first, last, -0.5 * pi, 2.0 * pi) else min(here, there)
-    return max(highest - here, here - lowest)
+    return lowest, highest
 
 
 def _sine_variation(first: float, last: float) -> float:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from ..rotation import FloatArray
-from ..vector import Vector
+from ..vector import ZERO, Vector
 from .bernstein import EPSILON, Arc, cell_matrix
 from .spans import BoolArray, Boxes, RunningSum, Span
+from .spread import STILL, Spread
 
 #: Segments are prepared this many at a time, which bounds the memory that it takes.
 CHUNK = 4096
@@ -89,13 +90,16 @@ class Path:
         x, y, z = velocity.tolist()
         return (x, y, z)
 
-    def rates(self, key: int, since: float, duration: float) -> tuple[float, float]:
-        """Return suprema of speed and acceleration from `since` s after a key, up to the next at most."""
+    def rates(self, key: int, since: float, duration: float) -> tuple[float, Vector, Spread]:
+        """Return the supremum of speed from `since` s after a key, up to the next at most; and the acceleration there.
+
+        That is what is steady of it, and where the rest may be.
+        """
         if self._speeds is not None:
-            return self._speeds[key], 0.0
+            return self._speeds[key], ZERO, STILL
         _, velocity = self._from(key, since)
         duration = min(duration, max(0.0, float(self._durations[key]) - since))
-        return velocity.supremum(duration), velocity.derivative().supremum(duration)
+        return velocity.supremum(duration), *velocity.derivative().spread(duration)
 
     def length(self, span: Span) -> float:
         """Return an upper bound (m) on the way gone over the span, jumps left out."""

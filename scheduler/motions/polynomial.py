@@ -10,6 +10,7 @@ from ..rotation import FloatArray, chord, transform, turn
 from ..vector import ZERO, Vector, add, norm, scale, unit
 from .base import Axis, Interval, Rates, Reach, Smooth, farthest_from_zero
 from .bernstein import Arc
+from .spread import STILL, between
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,13 +72,16 @@ class Polynomial(Smooth):
         speed = velocity.supremum(before)
         if after > 0.0:
             speed = max(speed, self._arc.derivative().supremum(after))
+        acceleration, axis = velocity.derivative(), unit(self.angular_velocity)
         if len(self.coefficients) <= 3:
-            x, y, z = velocity.derivative().coefficients[0].tolist()
-            return Rates(speed, 0.0, spin, 0.0, (x, y, z))
-        acceleration = velocity.derivative().supremum(before)
+            x, y, z = acceleration.coefficients[0].tolist()
+            return Rates(speed, STILL, spin, 0.0, (x, y, z), axis)
+        steady, varying = acceleration.spread(before)
         if after > 0.0:
-            acceleration = max(acceleration, self._arc.derivative().derivative().supremum(after))
-        return Rates(speed, acceleration, spin, 0.0)
+            middle, varying_after = self._arc.derivative().derivative().spread(after)
+            steady, apart = between(steady, middle)
+            varying = apart.plus(varying).plus(varying_after)
+        return Rates(speed, varying, spin, 0.0, steady, axis)
 
     def extent(self, times: Interval) -> float:
         """Return the sum of every term's size."""

@@ -10,6 +10,7 @@ from math import copysign, hypot, inf, nextafter, sqrt
 from ..rotation import IDENTITY, FloatArray, apply, chord, transform, turn, turned_about
 from ..vector import ZERO, Vector, cross, distance_to_line, norm, scale
 from .base import Axis, Interval, Rates, Reach
+from .spread import STILL, disc
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,9 +91,10 @@ class Profile:
         speed, acceleration = max(self._speed(t), self._speed(last)), abs(self._acceleration(t))
         if not self.turns:
             along = copysign(self._acceleration(t), self._acceleration(t) * (self.end - self.begin))
-            return Rates(speed, 0.0, 0.0, 0.0, scale(along, self.axis_direction))
+            return Rates(speed, STILL, 0.0, 0.0, scale(along, self.axis_direction))
         radius = distance_to_line(ZERO, self.point, self.axis_direction)
-        return Rates(radius * speed, radius * hypot(acceleration, speed * speed), speed, acceleration)
+        bend = disc(self.axis_direction, radius * hypot(acceleration, speed * speed))
+        return Rates(radius * speed, bend, speed, acceleration, axis=self.axis_direction)
 
     def knot_after(self, t: float) -> float:
         """Return the time at which the acceleration changes next (inf: never)."""

@@ -8,6 +8,7 @@ from math import hypot, pi
 from ..rotation import FloatArray, apply, chord, turn, turned_about
 from ..vector import ZERO, Vector, add, cross, distance_to_line, norm, scale
 from .base import Axis, Interval, Rates, Reach, Smooth, farthest_from_zero
+from .spread import disc
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +50,8 @@ class Screw(Smooth):
         """The origin runs on a helix of radius rho_o: speed w sqrt(h^2 + rho_o^2), acceleration w^2 rho_o."""
         radius = distance_to_line(ZERO, self.point, self.axis_direction)
         speed = hypot(self._advance_rate, self.rate * radius)
-        return Rates(speed, self.rate**2 * radius, abs(self.rate), 0.0)
+        bend = disc(self.axis_direction, self.rate**2 * radius)
+        return Rates(speed, bend, abs(self.rate), 0.0, axis=self.axis_direction)
 
     def extent(self, times: Interval) -> float:
         """Return 2 |point| + |h w| t."""
