@@ -76,7 +76,7 @@ class Chain:
         self._tail_terms = tail_terms
         self.tail = tail
         self.ball = extent.ball
-        self._cores = extent.points
+        self.extent = extent
         self._last_centre = mapped(tail, extent.ball.centre)
         self._last_reach = _exact_reach(joints[-1].motion.axis, tail, extent) if joints else None
 
@@ -172,7 +172,7 @@ class Chain:
     @cached_property
     def core_radius(self) -> float:
         """The same of the points that span the body, before they are rounded."""
-        placed = self._cores @ self.tail[:3, :3].T + self.tail[:3, 3]
+        placed = self.extent.points @ self.tail[:3, :3].T + self.tail[:3, 3]
         return float(np.max(np.linalg.norm(placed, axis=1))) if self.joints else 0.0
 
     def knot_after(self, t: float) -> float:

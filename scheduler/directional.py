@@ -124,7 +124,7 @@ class Slabs:
             if not len(pairs):
                 return min(most, float(best.min(initial=inf)))
             pairs = pairs[np.argsort(best[pairs], kind="stable")][: max(FIRST_PAIRS, len(self._known))]
-            gaps = self._across(pairs, self._directions_of(pairs))
+            gaps = self._across(pairs, axes_between(self._near.one[pairs], self._near.other[pairs]))
             best[pairs] = np.maximum(best[pairs], value(gaps).min(axis=2).max(axis=1))
             self._own = Gaps(*map(np.concatenate, zip(self._own, gaps, strict=True)))
             self._known = np.concatenate((self._known, pairs))
@@ -144,24 +144,24 @@ class Slabs:
             np.swapaxes(gaps.reshape(shape), 1, 2), np.swapaxes(closings.reshape(shape), 1, 2), bends[..., None]
         )
 
-    def _directions_of(self, pairs: NDArray[np.intp]) -> FloatArray:
-        """Return unit directions (k, OWN_DIRECTIONS, 3) from one triangle towards the other, zero where there is none.
 
-        The separating axes of two triangles: their normals and the cross products of their edges; and for their corners
-        the way between the nearest points.
-        """
-        one, other = self._near.one[pairs], self._near.other[pairs]
-        sides, others = np.roll(one, -1, axis=1) - one, np.roll(other, -1, axis=1) - other
-        normals = np.stack((np.cross(sides[:, 0], sides[:, 1]), np.cross(others[:, 0], others[:, 1])), axis=1)
-        crosses = np.cross(sides[:, :, None], others[:, None, :]).reshape(-1, 9, 3)
-        across = _between_nearest_points(one, other, sides, others)
-        found = np.concatenate((normals, crosses, across[:, None]), axis=1)
-        lengths = np.linalg.norm(found, axis=2)
-        known = (lengths > SHORTEST)[:, :, None]
-        found = np.divide(found, lengths[:, :, None], out=np.zeros_like(found), where=known)
-        middle = other.mean(axis=1) - one.mean(axis=1)
-        towards: FloatArray = found * np.where(np.einsum("kdc,kc->kd", found, middle) < 0.0, -1.0, 1.0)[:, :, None]
-        return towards
+def axes_between(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Return unit directions (k, OWN_DIRECTIONS, 3) from one triangle towards the other, zero where there is none.
+
+    The separating axes of two triangles (k, 3, 3): their normals and the cross products of their edges; and for their
+    corners the way between the nearest points.
+    """
+    sides, others = np.roll(one, -1, axis=1) - one, np.roll(other, -1, axis=1) - other
+    normals = np.stack((np.cross(sides[:, 0], sides[:, 1]), np.cross(others[:, 0], others[:, 1])), axis=1)
+    crosses = np.cross(sides[:, :, None], others[:, None, :]).reshape(-1, 9, 3)
+    across = _between_nearest_points(one, other, sides, others)
+    found = np.concatenate((normals, crosses, across[:, None]), axis=1)
+    lengths = np.linalg.norm(found, axis=2)
+    known = (lengths > SHORTEST)[:, :, None]
+    found = np.divide(found, lengths[:, :, None], out=np.zeros_like(found), where=known)
+    middle = other.mean(axis=1) - one.mean(axis=1)
+    towards: FloatArray = found * np.where(np.einsum("kdc,kc->kd", found, middle) < 0.0, -1.0, 1.0)[:, :, None]
+    return towards
 
 
 def _between_nearest_points(one: FloatArray, other: FloatArray, sides: FloatArray, others: FloatArray) -> FloatArray:

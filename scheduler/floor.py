@@ -7,9 +7,12 @@ from math import ulp
 from .scene import Settings
 
 #: How often a pair may step finer than the time resolution before something restores the number: a contact's begin or
-#: end, or a proved step of the whole resolution. It caps what a long graze costs; leaving a contact with a bound r
-#: times the true speed takes about 3.5 r such steps.
+#: end, or a proved step of the whole resolution. Leaving a contact with a bound r times the true speed takes about
+#: 3.5 r such steps.
 FINE_STEPS = 256
+#: So many of them come back with each time resolution that passes: what a long graze costs is at most so many times
+#: what measuring at each time resolution would.
+STEPS_BACK = 16.0
 #: The finest of those steps, as a share of the tolerance.
 FINEST = 1.0 / 256.0
 
@@ -37,7 +40,7 @@ class Floor:
     def restore(self) -> None:
         """Return to the time resolution, with all fine steps to spend."""
         self.seconds = self._resolution
-        self._steps_left = FINE_STEPS
+        self._steps_left = float(FINE_STEPS)
 
     def proved(self, step: float) -> None:
         """Take in that a step (s) was proved clear."""
@@ -47,18 +50,23 @@ class Floor:
         if step <= self.seconds:
             self.seconds = min(max(2.0 * self.seconds, self._tolerance), self._resolution)
         self._spend()
+        self._pass(step)
 
     def failed(self, step: float) -> bool:
         """Take in that a step (s) proved nothing; tell whether it is to be taken back and made finer."""
         self._spend()
-        if self._steps_left == 0 or step <= 2.0 * self._finest:
+        if self._steps_left < 1.0 or step <= 2.0 * self._finest:
+            self._pass(step)
             return False
         self.seconds = max(0.25 * step, self._finest)
         return True
 
+    def _pass(self, step: float) -> None:
+        """Give steps back for a time (s) that has passed."""
+        self._steps_left = min(FINE_STEPS, self._steps_left + STEPS_BACK * step / self._resolution)
+
     def _spend(self) -> None:
         """Count a fine step; when none is left, the whole resolution is the floor again."""
-        if self._steps_left > 0:
-            self._steps_left -= 1
-        if self._steps_left == 0:
+        self._steps_left = max(0.0, self._steps_left - 1.0)
+        if self._steps_left < 1.0:
             self.seconds = self._resolution

@@ -239,6 +239,14 @@ class NarrowPhase:
         ones, others, radii = zip(*found, strict=True)
         return NearTriangles(np.concatenate(ones), np.concatenate(others), np.concatenate(radii))
 
+    def corners(
+        self, a: int, b: int, pose_a: FloatArray, pose_b: FloatArray, features: tuple[Feature, Feature]
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return the corners (3, 3) m of the triangles that hold two features, as seen from the first body's place."""
+        self._place(a, b, pose_a, pose_b)
+        one, other = self._bodies[a][features[0].shape], self._bodies[b][features[1].shape]
+        return np.array(one.corners(features[0].triangle)), np.array(other.corners(features[1].triangle))
+
     def depth(self, a: int, b: int, pose_a: FloatArray, pose_b: FloatArray) -> float:
         """Return how far (m) two touching bodies may get relative to each other and touch; errs low, 0 if unknown.
 

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from math import inf
+
 from .bounds import shortened
 from .directional import Slabs
 from .events import Bound
 from .pair import Measurement, Pair
 from .relative import Proof
+from .slab import Slab
 
 #: The directional bound is asked where the others allow fewer than this many steps of the floor.
 STEPS_TOO_FEW = 16.0
 #: It looks this many times as far ahead as they do: farther, more triangles are within reach.
 LOOKAHEAD = 16.0
+#: Triangles are not looked at one by one where a slab between the whole bodies lasts this share of that.
+WHOLE_SUFFICES = 0.25
 
 
 class Outlook:
@@ -22,8 +27,9 @@ class Outlook:
         self._pair = pair
         self._measurement = measurement
         self._keeps = keeps
+        self._slab: Slab | None = None
         self._slabs: Slabs | None = None
-        self._looked = 0.0  # s ahead
+        self._looked = self._looked_whole = 0.0  # s ahead
 
     def sleep(self, horizon: float, floor: float) -> tuple[float, Bound]:
         """Return the longest sleep (s, <= horizon) proved to keep the bodies apart, and the bound that allows it.
@@ -36,8 +42,11 @@ class Outlook:
         sleep, bound = self._pair.motion.sleep(here.moments, here.time, here.clearance - self._keeps, horizon)
         if sleep >= min(horizon, STEPS_TOO_FEW * floor):
             return sleep, bound
-        slabs = self._look(min(horizon, LOOKAHEAD * max(sleep, floor)))
-        farther = 0.0 if slabs is None else shortened(here.time, slabs.sleep(self._keeps))
+        ahead = min(horizon, LOOKAHEAD * max(sleep, floor))
+        farther = shortened(here.time, self._whole(ahead))
+        if farther < WHOLE_SUFFICES * ahead:
+            slabs = self._look(ahead)
+            farther = max(farther, 0.0 if slabs is None else shortened(here.time, slabs.sleep(self._keeps)))
         return (farther, Bound.DIRECTIONAL) if farther > sleep else (sleep, bound)
 
     def proof(self, after: Measurement) -> Proof:
@@ -45,12 +54,23 @@ class Outlook:
         here, motion = self._measurement, self._pair.motion
         duration = after.time - here.time
         proof = motion.proof(here.moments, here.clearance, duration, after.clearance)
-        if self._slabs is None and proof.clearance <= self._keeps:
+        if self._slab is None and self._slabs is None and proof.clearance <= self._keeps:
+            self._whole(duration)
             self._look(duration)
-        if self._slabs is None:
-            return proof
-        parted = self._slabs.clearance(duration, motion.displacement(here.moments, duration))
+        parted = -inf if self._slab is None else self._slab.clearance(duration)
+        if self._slabs is not None:
+            parted = max(parted, self._slabs.clearance(duration, motion.displacement(here.moments, duration)))
         return Proof(max(proof.clearance, min(parted, here.clearance)), proof.depth_limit)
+
+    def _whole(self, duration: float) -> float:
+        """Return how long (s) a slab between the whole bodies lasts, looking `duration` s ahead; 0 without one."""
+        here = self._measurement
+        if here.proximity is None:
+            return 0.0
+        if self._slab is None or duration > self._looked_whole:
+            self._slab = self._pair.slab(here, duration, self._keeps)
+            self._looked_whole = duration
+        return min(duration, self._slab.sleep(self._keeps))
 
     def _look(self, duration: float) -> Slabs | None:
         """Return the slabs for the next `duration` s; None where only spheres were measured, or for too many."""

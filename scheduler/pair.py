@@ -17,6 +17,7 @@ from .overlap import Overlaps, proper
 from .relative import CANCELLATION, Moments, RelativeMotion
 from .rotation import FloatArray, mapped, translation_of
 from .scene import Scene
+from .slab import Points, Slab
 from .vector import Vector, norm, subtract, unit
 
 #: Bounding spheres settle a wakeup while their gap exceeds this share of the sum of their radii. Nearer, the exact
@@ -172,6 +173,31 @@ class Pair:
         direction = unit(subtract(proximity.witness_b, proximity.witness_a))
         slack += self.motion.growth_speed(measurement.time)
         return Slabs(found, twists, direction, self.error + spread, reach, near, slack)
+
+    def slab(self, measurement: Measurement, duration: float, beyond: float) -> Slab:
+        """Return the slab between the whole bodies at a measurement that lasts longest.
+
+        Args:
+            measurement: exact, of bodies apart.
+            duration: s, how far ahead it may be asked of.
+            beyond: m, the width that it is chosen to keep.
+        """
+        moments = measurement.moments
+        proximity = measurement.proximity
+        assert proximity is not None
+        near = self.motion.approach(moments, duration, cores=True)
+        twists, slack = self._twists(moments)
+        centre = moments.a.pose[:3, 3]
+        chains = zip((self.motion.a, self.motion.b), (moments.a.pose, moments.b.pose), twists, strict=True)
+        one, other = (
+            Points(chain.extent.points @ pose[:3, :3].T + (pose[:3, 3] - centre), chain.extent.radii, twist)
+            for chain, pose, twist in chains
+        )
+        features = proximity.feature_a(), proximity.feature_b()
+        nearest = self._narrow_phase.corners(self._a, self._b, moments.a.pose, moments.b.pose, features)
+        error = self.error + self.motion.spread(measurement.time)
+        slack += self.motion.growth_speed(measurement.time)
+        return Slab(one, other, nearest, error, beyond, near, slack)
 
     def overlaps(self, measurement: Measurement, duration: float) -> Overlaps | None:
         """Return the overlaps of touching bodies' triangles, None where there are too many.
