@@ -13,7 +13,7 @@ FINE_STEPS = 256
 #: So many of them come back with each time resolution that passes: what a long graze costs is at most so many times
 #: what measuring at each time resolution would.
 STEPS_BACK = 16.0
-#: The finest of those steps, as a share of the tolerance.
+#: The finest of those steps, as a share of the contact tolerance; none is finer than the tolerance of a crossed margin.
 FINEST = 1.0 / 256.0
 
 
@@ -29,7 +29,7 @@ class Floor:
         """Start at the time resolution; `tolerance` is the least bracket in s, no time is greater than `latest` s."""
         self._resolution = settings.time_resolution
         self._tolerance = tolerance
-        self._finest = max(FINEST * tolerance, 8.0 * ulp(latest))
+        self._finest = max(min(FINEST * settings.contact_tolerance, tolerance), 8.0 * ulp(latest))
         self.restore()
 
     @property

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import inf
 
-from .bounds import shortened
+from .bounds import shortened, spendable
 from .directional import Slabs
 from .events import Bound
 from .pair import Measurement, Pair
@@ -39,7 +39,8 @@ class Outlook:
             floor: s, the least step that will be taken.
         """
         here = self._measurement
-        sleep, bound = self._pair.motion.sleep(here.moments, here.time, here.clearance - self._keeps, horizon)
+        spare = spendable(here.clearance) - self._keeps  # as `proof` has it
+        sleep, bound = self._pair.motion.sleep(here.moments, here.time, spare, horizon)
         if sleep >= min(horizon, STEPS_TOO_FEW * floor):
             return sleep, bound
         ahead = min(horizon, LOOKAHEAD * max(sleep, floor))

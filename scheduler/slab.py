@@ -20,6 +20,8 @@ from .sliver import EPSILON
 
 #: Widths err by no more than this many eps times the points' coordinates.
 ROUNDING = 16.0 * EPSILON
+#: The first trial lies this share below the root, where the width is just above zero.
+TRIAL_ROUNDING = 1e-9
 #: How often the time that the slab lasts is bracketed tighter.
 STEPS = 12
 
@@ -91,7 +93,7 @@ class Slab:
         if self.width(self.horizon) > spare:
             return self.horizon
         low, high = 0.0, self.horizon
-        middle = self._certain
+        middle = self._certain * (1.0 - TRIAL_ROUNDING)
         for _ in range(STEPS):
             if self.width(middle) > spare:
                 low = middle

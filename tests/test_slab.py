@@ -102,9 +102,10 @@ def test_the_clearance_of_the_slab_is_kept():
 
 def slab(twist, ahead, gap=1e-3) -> Slab:
     """Return the slab between a square that moves and one above it at rest."""
+    above = SQUARE + np.array([0.0, 0.0, gap])
     one = Points(SQUARE, np.zeros(4), twist)
-    other = Points(SQUARE + [0.0, 0.0, gap], np.zeros(4), AT_REST)
-    return Slab(one, other, (SQUARE[:3], SQUARE[:3] + [0.0, 0.0, gap]), 0.0, 0.0, ahead, 0.0)
+    other = Points(above, np.zeros(4), AT_REST)
+    return Slab(one, other, (SQUARE[:3], above[:3]), 0.0, 0.0, ahead, 0.0)
 
 
 def test_motion_along_the_slab_costs_nothing():
