@@ -166,7 +166,7 @@ def axes_between(one: FloatArray, other: FloatArray) -> FloatArray:
 
 def _between_nearest_points(one: FloatArray, other: FloatArray, sides: FloatArray, others: FloatArray) -> FloatArray:
     """Return the way (k, 3) between the nearest points of the triangles' edges."""
-    ways, _ = ways_between(one[:, :, None], sides[:, :, None], other[:, None, :], others[:, None, :])
+    ways = ways_between(one[:, :, None], sides[:, :, None], other[:, None, :], others[:, None, :])
     ways = ways.reshape(-1, 9, 3)
     shortest: FloatArray = ways[np.arange(len(ways)), (ways**2).sum(-1).argmin(axis=1)]
     return shortest

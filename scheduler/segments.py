@@ -10,10 +10,10 @@ from .rotation import FloatArray
 PARALLEL = 1e-12
 
 
-def ways_between(p: FloatArray, d: FloatArray, q: FloatArray, e: FloatArray) -> tuple[FloatArray, FloatArray]:
+def ways_between(p: FloatArray, d: FloatArray, q: FloatArray, e: FloatArray) -> FloatArray:
     """Return the way from the nearest point of each segment p + [0, 1] d to that of q + [0, 1] e, all (..., 3) m.
 
-    The second value tells which are not too nearly parallel for the way to be the shortest.
+    Of nearly parallel segments it may not be the shortest.
     Source: Ericson, "Real-Time Collision Detection" (2005), section 5.1.9.
     """
     r = p - q
@@ -26,4 +26,4 @@ def ways_between(p: FloatArray, d: FloatArray, q: FloatArray, e: FloatArray) -> 
         t = np.where(ee > 0.0, (de * s + er) / ee, 0.0).clip(0.0, 1.0)
         s = np.where(dd > 0.0, (de * t - dr) / dd, 0.0).clip(0.0, 1.0)
     ways: FloatArray = (q + t[..., None] * e) - (p + s[..., None] * d)
-    return ways, crossing
+    return ways
