@@ -1,6 +1,6 @@
 """How far the narrow phase's distance is from the truth: the measurement behind its error constants.
 
-Random near pairs of two triangles each, 1 um to 1 km large, down to the thinnest that are measured as triangles; the
+Random near pairs of two triangles each, 1 fm to 1 Tm large, down to the thinnest that are measured as triangles; the
 truth by brute force in extended precision. `--unscaled` shows what FCL does with the same pairs as they are.
 
 Run from the project's folder: python -m benchmarks.narrow_phase_error [PAIRS] [SEED] [--unscaled]
@@ -45,7 +45,7 @@ def thinness(mesh: Mesh) -> float:
 
 def errors(rng: np.random.Generator, thin: float) -> tuple[float, float, float]:
     """Return for one random near pair its error (m), its size (m) and its thinness (m)."""
-    size = 10.0 ** rng.uniform(-6, 3)
+    size = 10.0 ** rng.uniform(-15, 12)
     one, other = random_mesh(rng, size, thin), random_mesh(rng, size, 1.0)
     pose = np.eye(4)
     pose[:3, :3] = random_rotation(rng)

@@ -28,8 +28,9 @@ from .vector import Vector, add, norm, scale, subtract, unit
 
 #: FCL is given lengths times this power of two, which loses nothing. Unscaled it skips the face of every triangle whose
 #: doubled area squared is below 1e-15 m^4, those of a 0.2 mm box among them, and then over- or underestimates
-#: by up to 6% of their size (`python -m benchmarks.narrow_phase_error 3000 1 --unscaled`).
-SCALE = 2.0**30
+#: by up to 6% of their size (`python -m benchmarks.narrow_phase_error 3000 1 --unscaled`). Scaled it skips what
+#: `without_slivers` has made segments of; the greatest coordinates, 1e30 m, are far from overflow in the fourth power.
+SCALE = 2.0**60
 #: m per m of size: a distance errs by less than this times the bodies' size about the centre of measurement, where no
 #: triangle is thin (measured: at most 1.1e-16 over 6,000 near pairs, `python -m benchmarks.narrow_phase_error 6000`).
 DISTANCE_ERROR = 64.0 * EPSILON

@@ -10,6 +10,9 @@ from .scene import IntArray, Mesh
 EPSILON = float(np.finfo(float).eps)
 #: A triangle whose height is below this share of its longest side is taken for that side: its normal is noise.
 THINNEST = 1e-8
+#: m^2. So is one whose doubled area is below this, whose face FCL would skip (`narrow_phase.SCALE`): that side is then
+#: the whole of it to 4e-22 m.
+SMALLEST = 1e-43
 #: The rounding of a thin triangle's normal misplaces its face by less than this times eps * side^2 / height
 #: (measured: at most 0.17 over 6,000 pairs, `python -m benchmarks.narrow_phase_error 6000`).
 NORMAL_ERROR = 16.0
@@ -26,7 +29,7 @@ def without_slivers(mesh: Mesh) -> tuple[IntArray, float]:
     sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
     longest = sides.max(axis=1)
     heights = _heights(corners, longest)
-    thin = heights <= THINNEST * longest
+    thin = (heights <= THINNEST * longest) | (heights * longest < SMALLEST)
     start = np.argmax(sides, axis=1)
     rows = np.arange(len(triangles))
     ends = triangles[rows, (start + 1) % 3]
