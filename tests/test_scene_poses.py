@@ -37,6 +37,11 @@ def test_rpy_turns_about_fixed_axes_x_then_y_then_z(tmp_path: Path) -> None:
     np.testing.assert_allclose(rotation_of(tmp_path, "rpy: [10, 20, 30]"), expected, atol=1e-15)
 
 
+@pytest.mark.parametrize("pose", ["rpy: [0, 0, %r]", "axis_angle: {axis: [0, 0, 1], angle: %r}"])
+def test_whole_turns_are_taken_off_exactly(tmp_path: Path, pose: str) -> None:
+    np.testing.assert_allclose(rotation_of(tmp_path, pose % (360e9 + 90)), QUARTER_ABOUT_Z, atol=1e-15)
+
+
 @pytest.mark.parametrize("turn", Rotation.random(20, np.random.default_rng(1)).as_matrix())
 def test_a_matrix_is_made_orthonormal_to_the_last_bit_and_its_translation_converted(
     tmp_path: Path, turn: np.ndarray

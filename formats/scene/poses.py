@@ -70,10 +70,10 @@ def _quaternion(pose: Pose, where: Where, scale: Scale, findings: Findings) -> Q
         x, y, z, w = pose.quat_xyzw
         return _normalised((w, x, y, z), (*where, "quat_xyzw"), findings)
     if pose.rpy is not None:
-        return _from_fixed_axes(*scale.angles(pose.rpy))
+        return _from_fixed_axes(*map(scale.turn, pose.rpy))
     if pose.axis_angle is not None:
         axis = unit_vector(pose.axis_angle.axis, (*where, "axis_angle", "axis"), findings)
-        return _about(axis, scale.angle(pose.axis_angle.angle))
+        return _about(axis, scale.turn(pose.axis_angle.angle))
     return UNTURNED
 
 
