@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 from drawn_motions import EPSILON, random_unit, random_vector, vector
 
+from closecall.scheduler.bounds import RELATIVE_ROUNDING
 from closecall.scheduler.motions import (
+    Ballistic,
     Delayed,
     Harmonic,
     Interval,
@@ -19,11 +21,16 @@ from closecall.scheduler.motions import (
     Orbit,
     Polynomial,
     Profile,
+    Reach,
+    Screw,
+    Swing,
     Translation,
 )
+from closecall.scheduler.vector import distance_to_line
 
 CASES = 150
 WIDE = np.longdouble
+PI = WIDE("3.14159265358979323846264338327950288")
 
 
 def wide(array) -> np.ndarray:
@@ -228,7 +235,7 @@ def test_delays_of_what_swings_fast():
             t, times = span_of(rng, delay)
             direction, period = random_unit(rng), float(10.0 ** rng.uniform(-3, 0))
             inner = Harmonic(direction, float(rng.normal()), period, float(rng.normal()))
-            angle = 2 * WIDE("3.14159265358979323846264338327950288") * np.fmod(WIDE(t) - WIDE(delay), WIDE(period))
+            angle = 2 * PI * np.fmod(WIDE(t) - WIDE(delay), WIDE(period))
             truth = WIDE(inner.amplitude) * np.sin(angle / WIDE(period) + WIDE(inner.phase)) * wide(direction)
             yield Delayed(inner, delay), t, times, (0.0, 0.0, 0.0), truth
 
@@ -253,3 +260,79 @@ def test_delays():
             yield Delayed(inner, delay), t, times, q, truth
 
     assert 0.01 < worst_share(cases()) < 1.0
+
+
+def wave(motion: Harmonic | Swing, *times: float) -> np.longdouble:
+    """Return the sine at the sum of the times; whole periods are taken off in fractions."""
+    periods = sum(map(Fraction, times), Fraction(0)) / Fraction(motion.period)
+    part = periods - int(periods)
+    rest = WIDE(float(part)) + WIDE(float(part - Fraction(float(part))))
+    return WIDE(np.sin(2 * PI * rest + WIDE(motion.phase)))
+
+
+def smooth_point(motion: Motion, q, *times: float) -> np.ndarray:
+    """Return where q is at the sum of the times, from the motions' formulas."""
+    t = sum(map(WIDE, times))
+    match motion:
+        case Harmonic():
+            return wide(q) + WIDE(motion.amplitude) * wave(motion, *times) * wide(motion.direction)
+        case Swing():
+            point, angle = wide(motion.point), WIDE(motion.amplitude) * wave(motion, *times)
+            return point + about(motion.axis_direction, angle, wide(q) - point)
+        case Screw():
+            point, angle = wide(motion.point), WIDE(motion.rate) * t
+            advance = WIDE(motion.pitch) * angle / (2 * PI) * wide(motion.axis_direction)
+            return point + about(motion.axis_direction, angle, wide(q) - point) + advance
+        case Ballistic():
+            spin = wide(motion.angular_velocity)
+            way = t * wide(motion.velocity) + t * t / 2 * wide(motion.acceleration)
+            return about(spin, np.sqrt(spin @ spin) * t, q) + way
+        case _:
+            raise TypeError(motion)
+
+
+def random_smooth(rng, kind: type) -> Motion:
+    large, period, rate = (float(10.0 ** rng.uniform(-3, most)) for most in (6, 4, 2))
+    axis, point, phase = random_unit(rng), random_vector(rng, 10.0 ** rng.uniform(-2, 6)), float(rng.normal())
+    if kind is Harmonic:
+        return Harmonic(axis, large, period, phase * float(rng.choice([1, 1e6])))
+    if kind is Swing:
+        return Swing(axis, point, rate, period, phase)
+    if kind is Screw:
+        return Screw(axis, point, rate, float(rng.normal()))
+    return Ballistic(random_vector(rng, large), random_vector(rng, rate), random_vector(rng, rate))
+
+
+SMOOTH = [Ballistic, Harmonic, Screw, Swing]
+
+
+@pytest.mark.parametrize("kind", SMOOTH)
+def test_motions_without_knots(kind):
+    rng = np.random.default_rng(8)
+
+    def cases():
+        for _ in range(2 * CASES):
+            motion, (t, times), q = random_smooth(rng, kind), span_of(rng), random_vector(rng)
+            yield motion, t, times, q, smooth_point(motion, q, t)
+
+    assert 0.01 < worst_share(cases()) < 1.0
+
+
+@pytest.mark.parametrize("kind", SMOOTH)
+def test_the_account_covers_the_rounding_of_displacements_as_well(kind):
+    """A sine's change over a microsecond after a million seconds keeps few digits of its own."""
+    rng = np.random.default_rng(9)
+    shares = []
+    for _ in range(4 * CASES):
+        motion, (t, _), q = random_smooth(rng, kind), span_of(rng), random_vector(rng)
+        duration = float(10.0 ** rng.uniform(-9, 2))
+        radius = float(np.linalg.norm(q)) * (1 + 4 * EPSILON)
+        across = radius if motion.axis is None else distance_to_line(q, motion.axis.point, motion.axis.direction)
+        bound = motion.displacement(t, duration, Reach(radius, across))
+        start = smooth_point(motion, q, t)
+        wrong = wide(motion.pose(t)[:3, :3]) @ wide(q) + wide(motion.pose(t)[:3, 3]) - start
+        away = smooth_point(motion, q, t, duration) - start
+        short = float(np.sqrt(away @ away) + np.sqrt(wrong @ wrong)) - bound * (1 + RELATIVE_ROUNDING)
+        allowed = 8 * EPSILON * motion.rounding_scale((min(t, t + duration), t + duration), radius)
+        shares.append(short / allowed)
+    assert 0.01 < max(shares) < 1.0
