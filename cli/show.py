@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterable, Mapping
+from decimal import ROUND_FLOOR, Context
 from typing import Any
 
 import click
@@ -70,7 +71,7 @@ def print_summary(summary: Summary, to_stderr: bool = False) -> None:
     start, end = summary["time"]
     ignored = f"; {summary['pairs_ignored']} ignored by the scene" if summary.get("pairs_ignored") else ""
     pairs_told = counted(summary["pairs_total"], "pair")
-    console.print(f"{pairs_told} over [{start:g}, {end:g}] s: {found or 'nothing to check'}{ignored}")
+    console.print(f"{pairs_told} over [{_seconds(start)}, {_seconds(end)}] s: {found or 'nothing to check'}{ignored}")
 
 
 def _badness(pair: PairSummary) -> tuple[int, float, str]:
@@ -82,11 +83,23 @@ def _badness(pair: PairSummary) -> tuple[int, float, str]:
 def _distance(pair: PairSummary) -> str:
     """Return what is known of the pair's least distance."""
     lower, upper, time = pair["distance"]["lower"], pair["distance"]["upper"], pair["distance"]["time"]
-    if upper is None:
-        return f"above {lower:.4g} m" if lower > 0.0 else "unknown"
+    if upper is None or time is None:
+        return f"above {_at_least(lower)} m" if lower > 0.0 else "unknown"
     if upper == 0.0:
         return "0"
-    return f"{lower:.4g} .. {upper:.6g} m at {time:.6g} s"
+    return f"{_at_least(lower)} .. {upper:.6g} m at {_seconds(time)} s"
+
+
+def _at_least(lower: float) -> str:
+    """Return a lower bound in four digits, rounded down."""
+    return f"{float(Context(prec=4, rounding=ROUND_FLOOR).create_decimal(repr(lower))):.4g}"
+
+
+def _seconds(time: float, digits: int = 6) -> str:
+    """Return a time in so many digits, or in whole microseconds where they are more."""
+    if abs(time) >= 1e5:
+        digits = len(str(int(abs(time)))) + 6
+    return f"{time:.{digits}g}"
 
 
 def _contacts(pair: PairSummary) -> str:
@@ -95,10 +108,10 @@ def _contacts(pair: PairSummary) -> str:
     if not contacts:
         return _spans(pair)
     first = contacts[0]
-    end = "the end" if first["end"] is None else f"{first['end'][0]:.7g} s"
+    end = "the end" if first["end"] is None else f"{_seconds(first['end'][0], 7)} s"
     keys = ", ".join(f"{body} {_between(*around)}" for body, around in first["keys"].items())
     more = f" and {len(contacts) - 1} more" if len(contacts) > 1 else ""
-    return f"{first['begin'][1]:.7g}{f' ({keys})' if keys else ''} .. {end}{more}"
+    return f"{_seconds(first['begin'][1], 7)}{f' ({keys})' if keys else ''} .. {end}{more}"
 
 
 def _spans(pair: PairSummary) -> str:
@@ -106,7 +119,7 @@ def _spans(pair: PairSummary) -> str:
     kinds = {"breach": pair.get("breaches"), "unresolved": pair.get("unresolved"), "possible": pair.get("possible")}
     for kind, spans in kinds.items():
         if spans:
-            return f"{kind} " + ", ".join(f"{a:.6g}..{b:.6g} s" for a, b in spans[:2])
+            return f"{kind} " + ", ".join(f"{_seconds(a)}..{_seconds(b)} s" for a, b in spans[:2])
     return ""
 
 

@@ -129,3 +129,15 @@ def test_what_the_scene_ignores_is_counted_and_named(scene, tmp_path):
     assert "0 pairs over [0, 5] s: nothing to check; 1 ignored by the scene" in done.stdout
     assert json.loads(closecall("summary", "out.mcap", "--json", cwd=tmp_path).stdout)["pairs_ignored"] == 1
     assert "; 1 ignored: left|right" in closecall("check", scene, cwd=tmp_path).stdout
+
+
+@pytest.mark.parametrize("gap", [1.23456, 0.999999, 7.7778e-5, 123456.7])
+def test_no_bound_is_printed_above_itself(tmp_path, gap):
+    ball = "shapes: [{sphere: 1}]"
+    bodies = f"  a: {{{ball}}}\n  b: {{pose: {{xyz: [{2.0 + gap}, 0, 0]}}, {ball}, motion: {{type: constant}}}}\n"
+    (tmp_path / "still.yaml").write_text(SPHERES.split("bodies:")[0] + "bodies:\n" + bodies)
+    printed = closecall("run", "still.yaml", "-o", "out.mcap", cwd=tmp_path).stdout
+    (row,) = (line for line in printed.splitlines() if line.startswith("a | b"))
+    (pair,) = json.loads(closecall("summary", "out.mcap", "--json", cwd=tmp_path).stdout)["pairs"]
+    lower = float(row.split("clear")[1].split(" ..")[0])
+    assert 0.998 * pair["distance"]["lower"] < lower <= pair["distance"]["lower"]
