@@ -56,3 +56,9 @@ They bound the error of measurement, and often by much: hence 100 times what is 
 
 FARTHEST_PLACE = 1e30
 """m. A motion whose terms may add up to more is refused: no distance could be told, and far beyond none is finite."""
+
+MOST_ROUNDING = 1.0
+"""A body that rounding may misplace in its parent by more than this many times its size is refused.
+
+Everything within that distance would be called a contact.
+"""

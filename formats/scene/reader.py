@@ -22,7 +22,7 @@ from .parents import check_parents
 from .poses import placement
 from .rules import pair_rules
 from .shape_reader import ShapeReader
-from .sizes import warn_of_sizes
+from .sizes import check_sizes
 from .source import read_bytes, read_document
 from .units import Scale
 from .wording import parsed
@@ -67,7 +67,8 @@ class _Reading:
         rules = pair_rules(self._file.pairs, self._bodies, self._scale, self._findings)
         self._findings.stop_if_faulty()
         scene = Scene(bodies, time.start, time.end, rules)
-        warn_of_sizes(scene, tuple(self._file.bodies), self._shapes.shown, self._findings)
+        check_sizes(scene, tuple(self._file.bodies), self._shapes.shown, self._findings)
+        self._findings.stop_if_faulty()
         return LoadedScene(
             path=path,
             source=source,

@@ -1,29 +1,38 @@
-"""Warnings of sizes that look like a mistaken unit, and of places too far away for the sizes that are there."""
+"""Warnings of sizes that look like a mistaken unit, and of places too far away for the sizes that are there.
+
+And faults, where those are so far away that floating point cannot place the body at all.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from math import sqrt
 
 import numpy as np
 
+from ...scheduler.chain import chain_to
+from ...scheduler.extent import Ball, Extent
+from ...scheduler.motions import Fixed, Interval
 from ...scheduler.poses import WorldPoses
-from ...scheduler.scene import FloatArray, Mesh, Scene, Shape
+from ...scheduler.scene import Body, FloatArray, Mesh, Scene, Shape
+from ...scheduler.vector import ZERO
 from .document import Findings
 from .errors import Where, counted
-from .limits import COARSE_PLACE, COARSE_TERMS, UNLIKELY_RATIO
+from .limits import COARSE_PLACE, COARSE_TERMS, MOST_ROUNDING, UNLIKELY_RATIO
 
 
-def warn_of_sizes(scene: Scene, names: tuple[str, ...], files: Mapping[Mesh, str], findings: Findings) -> None:
+def check_sizes(scene: Scene, names: tuple[str, ...], files: Mapping[Mesh, str], findings: Findings) -> None:
     """Warn where a mesh file's size, or a body's distance from the origin, is such as only a wrong unit would explain.
 
-    Each is told once, of the worst: what is wrong with one is often wrong with thousands.
+    A body that floats cannot place is a fault. Each is told once, of the worst: what is wrong with one is often wrong
+    with thousands.
 
     Args:
         scene: in SI.
         names: of its bodies, as written.
         files: the meshes that come from files, each with its key in the scene's `meshes`.
-        findings: takes the warnings.
+        findings: takes the warnings and faults.
     """
     boxes = {shape.mesh: _box(shape.mesh) for body in scene.bodies for shape in body.shapes}
     sized = {
@@ -41,6 +50,8 @@ def warn_of_sizes(scene: Scene, names: tuple[str, ...], files: Mapping[Mesh, str
     distances = _distances(scene, centres)
     features = {index: min(size for size, _ in own) for index, own in shapes.items()}
     terms = {index: scene.bodies[index].motion.extent((scene.start, scene.end)) for index in shapes}
+    if _refuse_the_lost(scene, names, shapes, centres, findings):
+        return
     if not _warn_of_places(distances, features, names, findings):
         _warn_of_terms(terms, features, names, findings)
 
@@ -52,7 +63,7 @@ def _warn_of_units(bodies: list[list[tuple[float, Shape]]], files: Mapping[Mesh,
 
     Args:
         bodies: of each, its shapes with their sizes (m).
-        files: as in `warn_of_sizes`.
+        files: as in `check_sizes`.
         findings: takes the warning.
     """
     sizes: dict[str | int, float] = {}
@@ -103,6 +114,36 @@ def _warn_of_terms(
         problem = f"the motion's terms add up to {terms[worst]:.3g} m, {ratio:.3g} times the body's smallest shape"
         remedy = "rounding may show, let times and t0 be nearer to 0"
         findings.warn(("bodies", names[worst], "motion"), f"{problem}: {remedy}{others}")
+
+
+def _refuse_the_lost(
+    scene: Scene,
+    names: tuple[str, ...],
+    shapes: dict[int, list[tuple[float, Shape]]],
+    centres: dict[int, FloatArray],
+    findings: Findings,
+) -> bool:
+    """Refuse a body that rounding may misplace in its parent by more than its size; tell whether one is."""
+    sizes = {index: max(size for size, _ in own) for index, own in shapes.items()}
+    reaches = {index: float(np.linalg.norm(own[:, :3], axis=1).max()) + sizes[index] for index, own in centres.items()}
+    times = {index: scene.shared_time(index, index) for index in reaches}
+    errors = {index: _rounding(scene.bodies[index], reach, times[index]) for index, reach in reaches.items()}
+    worst, ratio, others = _coarsest(errors, sizes, MOST_ROUNDING)
+    if ratio <= MOST_ROUNDING:
+        return False
+    at_rest = replace(scene.bodies[worst], motion=Fixed())
+    stays = _rounding(at_rest, reaches[worst], times[worst]) > 0.5 * errors[worst]
+    remedy = "move the origin, or let a parent lie near it" if stays else "let times and t0 be nearer to 0"
+    problem = f"rounding may misplace it by {errors[worst]:.3g} m, more than its size, {sizes[worst]:.3g} m"
+    where = _shapes(names[worst]) if stays else ("bodies", names[worst], "motion")
+    findings.fault(where, f"{problem}: {remedy}{others}")
+    return True
+
+
+def _rounding(body: Body, reach: float, times: Interval) -> float:
+    """Return how far (m) floating point may misplace a body in its parent, no point of it farther than `reach` (m)."""
+    extent = Extent(np.zeros((1, 3)), np.array([reach]), Ball(ZERO, reach))
+    return chain_to((replace(body, parent=None),), 0, None, extent).rounding(times)
 
 
 def _coarsest(lengths: dict[int, float], features: dict[int, float], most: float) -> tuple[int, float, str]:
