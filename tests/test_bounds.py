@@ -1,6 +1,7 @@
 """The pure numbers: the lecture's bound in its sound form, the search for the longest sleep, the two-sided proof."""
 
 import math
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -29,6 +30,14 @@ def test_time_bound_never_exceeds_the_root_in_random_cases():
         d, v, a = (float(x) for x in 10 ** rng.uniform(-9, 6, 3))
         t = shortened(0.0, time_bound(d, v, a))
         assert v * t + 0.5 * a * t * t < d
+
+
+def test_a_sleep_from_any_time_ends_before_the_bound_does():
+    """In Unix time a sum is rounded by 1.2e-7 s; a sleep of fewer floats than that is none."""
+    rng = np.random.default_rng(3)
+    for _ in range(2000):
+        now, bound = float(rng.normal() * 10.0 ** rng.uniform(-3, 9)), float(10.0 ** rng.uniform(-9, 6))
+        assert Fraction(now + shortened(now, bound)) <= Fraction(now) + Fraction(bound)
 
 
 def test_longest_sleep_returns_a_time_it_has_evaluated_below_the_clearance_and_close_to_the_root():

@@ -90,6 +90,24 @@ def test_the_error_covers_near_pairs_of_slivers_of_any_size(size):
         assert abs(phase.nearest(0, 1, EYE, pose).distance - truth) < phase.error(0, 1)
 
 
+def test_the_error_covers_what_is_straight_above_a_thin_triangle():
+    """There its normal counts, which is rounded by eps side / height."""
+    rng = np.random.default_rng(7)
+    above = []
+    for _ in range(200):
+        thin = 10.0 ** rng.uniform(-7, -3)
+        turn = Rotation.random(rng=rng).as_matrix()
+        corners = (np.array([[0, 0, 0], [1, 0, 0], [0.4, thin, 0]]) @ turn.T).astype(np.longdouble)
+        normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+        normal /= np.sqrt(normal @ normal)
+        point = (rng.dirichlet(np.full(3, 4.0)) @ corners + normal * 10.0 ** rng.uniform(-4, 0)).astype(float)
+        phase = phase_of(Mesh("t", corners.astype(float), TRIANGLE, False), Mesh("p", point[None], 0 * TRIANGLE, False))
+        wrong = abs(phase.nearest(0, 1, EYE, EYE).distance - abs((point - corners[0]) @ normal))
+        assert wrong < phase.error(0, 1)
+        above.append(wrong > 1e-12)
+    assert any(above)
+
+
 def test_the_error_of_plump_triangles_is_tiny():
     assert phase_of(box_mesh(1, 1, 1), box_mesh(1, 1, 1)).error(0, 1) < 1e-13
 

@@ -17,9 +17,12 @@ from closecall.scheduler.directional import Slabs
 from closecall.scheduler.events import Distance, Span, Verdict
 from closecall.scheduler.extent import Ball, Extent, body_extent
 from closecall.scheduler.minimum import ERRORS, LEAST_TOLERANCE
-from closecall.scheduler.motions import Constant, Fixed, Limits
+from closecall.scheduler.motions import Constant, Fixed, Keyframes, Limits, Translation
+from closecall.scheduler.motions.spans import Span as Stretch
 from closecall.scheduler.narrow_phase import DISTANCE_ERROR, NarrowPhase
+from closecall.scheduler.narrow_phase import POINT as POINT_MESH
 from closecall.scheduler.nearby import NearTriangles, Triangles, near_pairs
+from closecall.scheduler.pair import Pair
 from closecall.scheduler.pairing import pairs_that_might_collide
 from closecall.scheduler.relative import Approach, RelativeMotion
 from closecall.scheduler.rotation import rotation_of_quaternion
@@ -122,6 +125,17 @@ def test_the_account_covers_how_far_an_unknown_path_may_have_led():
     assert 0.01 < max(shares) < 1.0
 
 
+def test_the_lengths_of_whole_segments_err_high_to_the_last_bit():
+    """Of a cubic path that runs straight, at the slopes as its keys' velocities."""
+    rng = np.random.default_rng(10)
+    for _ in range(CASES):
+        times, way = np.arange(6.0) * rng.uniform(0.1, 10), rng.normal(size=3)
+        places = np.arange(6.0)[:, None] * way
+        slopes = np.broadcast_to(way / times[1], (6, 3))
+        keys = Keyframes(times, places, np.array([[1.0, 0, 0, 0]] * 6), Translation.CUBIC, False, slopes)
+        assert keys.path.length(Stretch(0, float(times[1]), 5, 0.0)) >= 4 * length(way)
+
+
 def test_no_triangle_within_reach_is_left_out_by_rounding():
     """Points, whose distance is that of their boxes, at just the reach."""
     rng = np.random.default_rng(4)
@@ -219,8 +233,8 @@ def test_a_point_beside_a_face_is_inside_or_outside_as_soon_as_it_is_off_by_the_
         outward = normals[face] / np.linalg.norm(normals[face]) * np.sign(heights[face])
         beside = rng.dirichlet(np.full(3, 5.0)) @ corners[faces[face]]
         interior = Interior(Mesh("t", corners, faces, True))
-        assert interior.contains((beside + 4.0 * error * outward)[None]) is None
-        assert interior.contains((beside - 4.0 * error * outward)[None]) is not None
+        assert interior.contains((beside + error * outward)[None]) is None
+        assert interior.contains((beside - error * outward)[None]) is not None
 
 
 def test_a_least_distance_is_found_to_eight_errors_where_those_are_large():
@@ -243,3 +257,39 @@ def test_a_least_distance_is_found_to_eight_errors_where_those_are_large():
     assert upper - span.clearance <= ERRORS * pair.error
     assert span.clearance <= 0.01 <= upper + pair.error
     assert EPSILON * far < pair.error < 1e3 * EPSILON * far
+
+
+def pair_far_away(rng) -> tuple[Pair, float]:
+    """Return a triangle in two frames and a point just above it, all 5e6 m away, and their true distance (m)."""
+    (outer, exact_outer), (inner, exact_inner) = posed(rng, 5e6), posed(rng, 1e3)
+    exact = exact_outer @ exact_inner
+    corners = rng.normal(size=(3, 3))
+    placed = wide(corners) @ exact[:3, :3].T + exact[:3, 3]
+    normal = np.cross(placed[1] - placed[0], placed[2] - placed[0])
+    normal /= length(normal)
+    here = EYE.copy()
+    here[:3, 3] = (rng.dirichlet(np.full(3, 5.0)) @ placed + normal * 10.0 ** rng.uniform(-6, -3)).astype(float)
+    mesh = Mesh("t", corners, np.array([[0, 1, 2]]), False)
+    bodies = (
+        Body("frame", None, outer, Fixed(), ()),
+        Body("triangle", 0, inner, Fixed(), (Shape(mesh, 0.0, EYE),)),
+        Body("point", None, here, Constant((1e-9, 0.0, 0.0), ZERO), (Shape(POINT_MESH, 0.0, EYE),)),
+    )
+    (pair,) = pairs_that_might_collide(Scene(bodies, 0.0, 1.0, PairRules()), NarrowPhase(bodies), 0.0)
+    return pair, float(abs((wide(here[:3, 3]) - placed[0]) @ normal))
+
+
+def test_what_is_certified_of_a_distance_far_away_is_never_above_it():
+    rng = np.random.default_rng(9)
+    shares = []
+    for _ in range(CASES):
+        pair, truth = pair_far_away(rng)
+        measurement = pair.measure(0.0)
+        slabs = pair.slabs(measurement, 1e-9, 1.0)
+        assert measurement.proximity is not None
+        assert slabs is not None
+        assert 1e-9 < pair.error < 2e-7
+        assert measurement.clearance <= truth <= measurement.above
+        assert truth - 3.0 * pair.error < slabs.clearance(0.0, 0.0) <= truth
+        shares.append(abs(measurement.proximity.distance - truth) / pair.error)
+    assert 0.01 < max(shares) < 1.0
