@@ -92,12 +92,22 @@ def _directions(near: NearTriangles) -> FloatArray:
     where two planes meet at a sharp edge; each to both sides.
     """
     sides = np.concatenate([np.roll(corners, -1, axis=1) - corners for corners in (near.one, near.other)], axis=1)
-    normals = np.stack((np.cross(sides[:, 0], sides[:, 1]), np.cross(sides[:, 3], sides[:, 4])), axis=1)
-    crosses = np.cross(sides[:, :3, None], sides[:, None, 3:]).reshape(-1, 9, 3)
-    normals, crosses = _units(normals), _units(crosses)
-    borders = _units(np.cross(sides[:, :, None], normals[:, None]).reshape(-1, 12, 3))
+    normals = _across(sides[:, [0, 3]], sides[:, [1, 4]])
+    crosses = _across(sides[:, :3, None], sides[:, None, 3:]).reshape(-1, 9, 3)
+    borders = _across(sides[:, :, None], normals[:, None]).reshape(-1, 12, 3)
     found = np.concatenate((normals, crosses, borders), axis=1)
     return np.concatenate((found, -found), axis=1)
+
+
+def _across(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Return unit vectors (..., 3) across both, zero where they are parallel.
+
+    A cross product of nearly parallel vectors may lean along them by rounding: that is taken off again.
+    """
+    ways = _units(np.cross(one, other))
+    for along in (_units(one), _units(other)):
+        ways = _units(ways - (ways * along).sum(axis=-1, keepdims=True) * along)
+    return ways
 
 
 def _units(vectors: FloatArray) -> FloatArray:
