@@ -35,6 +35,10 @@ SURE = 1e-9
 """m: an overlap deeper than this is not looked at further."""
 
 
+SLIVER = 1e-6
+"""A triangle whose sides at a corner turn by less, in radians, bounds nothing by its plane."""
+
+
 class PairDistance:
     """Distances of body b from body a, given poses of b in the frame of a."""
 
@@ -149,6 +153,9 @@ class PairDistance:
         at, i, j = at[keep], i[keep], j[keep]
         bounds = np.maximum(bounds[keep], self._box_bounds(placed, at, i, j))
         keep = bounds < best[at]
+        at, i, j = at[keep], i[keep], j[keep]
+        bounds = np.maximum(bounds[keep], self._plane_bounds(placed, at, i, j))
+        keep = bounds < best[at]
         return at[keep], i[keep], j[keep], bounds[keep]
 
     def _sphere_bounds(self, placed: Placed, at: IntArray, i: IntArray, j: IntArray) -> FloatArray:
@@ -162,6 +169,13 @@ class PairDistance:
         a, b = self.a, self.b
         over_a = box_gap(placed.centres_b[at, j], a.lows[i], a.highs[i]) - b.reach[j]
         over_b = box_gap(placed.centres_a[at, i], b.lows[j], b.highs[j]) - a.reach[i]
+        return np.maximum(over_a, over_b) - a.outer[i] - b.outer[j]
+
+    def _plane_bounds(self, placed: Placed, at: IntArray, i: IntArray, j: IntArray) -> FloatArray:
+        """Return lower bounds (m) from how far one triangle lies on one side of the other's plane, both ways."""
+        a, b = self.a, self.b
+        over_a = plane_gap(placed.turns[at], placed.places[at], a.normals[i], a.heights[i], b.corners[j])
+        over_b = plane_gap(placed.turns_back[at], placed.places_back[at], b.normals[j], b.heights[j], a.corners[i])
         return np.maximum(over_a, over_b) - a.outer[i] - b.outer[j]
 
     def _separations(self, poses: FloatArray, i: IntArray, j: IntArray) -> FloatArray:
@@ -178,6 +192,8 @@ class Placed:
     def __init__(self, poses: FloatArray, a: Cover, b: Cover) -> None:
         back = inverse(poses)
         self.poses = poses
+        self.turns, self.places = (np.ascontiguousarray(part) for part in (poses[:, :3, :3], poses[:, :3, 3]))
+        self.turns_back, self.places_back = np.ascontiguousarray(back[:, :3, :3]), np.ascontiguousarray(back[:, :3, 3])
         self.centres_b = b.centres @ np.swapaxes(poses[:, :3, :3], 1, 2) + poses[:, None, :3, 3]
         self.centres_a = a.centres @ np.swapaxes(back[:, :3, :3], 1, 2) + back[:, None, :3, 3]
 
@@ -188,6 +204,8 @@ class Cover:
     Attributes:
         centres, reach: (n, 3) m, (n,) m, a sphere about each triangle without its rounding radius.
         lows, highs: (n, 3) m, the axis-aligned box of each triangle.
+        corners: (n, 3, 3) m, of the triangles.
+        normals, heights: (n, 3), (n,) m, unit normals, 0 of what has no face, and the planes' heights along them.
         slack, outer: (n,) m, how far its round shape stands out from a triangle; with the rounding radius.
         members: (g, 8) triangle indices of each group, -1 where it has fewer.
         round_groups: (g,) whether a group's triangles are those inside a round shape.
@@ -201,7 +219,10 @@ class Cover:
         self.slack = surface.slack
         self.outer = surface.radii + surface.slack
         self.corner_first = np.ascontiguousarray(np.moveaxis(triangles, 2, 0))
+        self.corners = np.ascontiguousarray(triangles)
         self.lows, self.highs = triangles.min(axis=1), triangles.max(axis=1)
+        self.normals = unit_normals(triangles)
+        self.heights = np.einsum("nx,nx->n", self.normals, triangles[:, 0])
         self.centres = sphere_centres(triangles)
         self.reach = np.linalg.norm(triangles - self.centres[:, None], axis=2).max(axis=1)
         self.round_groups = np.array([bool(surface.round_of[group[0]] >= 0) for group in surface.groups], dtype=bool)
@@ -232,6 +253,32 @@ def box_gap(points: FloatArray, lows: FloatArray, highs: FloatArray) -> FloatArr
     for low, high, at in zip(*(np.moveaxis(one, -1, 0) for one in (lows, highs, points)), strict=True):
         squares = squares + np.maximum(np.maximum(low - at, at - high), 0.0) ** 2
     return np.sqrt(squares)
+
+
+def plane_gap(
+    turns: FloatArray, places: FloatArray, normals: FloatArray, heights: FloatArray, corners: FloatArray
+) -> FloatArray:
+    """Return (n,) m: how far the corners (n, 3, 3) of triangles lie on one side of planes, below 0 if on both.
+
+    Args:
+        turns, places: (n, 3, 3), (n, 3) m, from the triangles' frame to the planes'.
+        normals, heights: (n, 3), (n,) m, of the planes.
+    """
+    turned = np.einsum("nx,nxy->ny", normals, turns)
+    base = np.einsum("nx,nx->n", normals, places) - heights
+    first, second, third = (np.einsum("nx,nx->n", turned, corners[:, k]) for k in range(3))
+    lowest = np.minimum(np.minimum(first, second), third)
+    highest = np.maximum(np.maximum(first, second), third)
+    return np.maximum(lowest + base, -base - highest)
+
+
+def unit_normals(triangles: FloatArray) -> FloatArray:
+    """Return (n, 3): the unit normals of triangles (n, 3, 3), 0 where one is a point or a segment, or nearly so."""
+    one, other = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
+    normals = np.cross(one, other)
+    lengths = np.linalg.norm(normals, axis=1)
+    flat = lengths <= SLIVER * np.linalg.norm(one, axis=1) * np.linalg.norm(other, axis=1)
+    return np.where(flat[:, None], 0.0, normals / np.where(flat, 1.0, lengths)[:, None])
 
 
 def sphere_centres(triangles: FloatArray) -> FloatArray:

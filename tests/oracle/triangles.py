@@ -19,11 +19,18 @@ PARALLEL = 1e-28
 
 
 def dot(a: FloatArray, b: FloatArray) -> FloatArray:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    out: FloatArray = a[0] * b[0]
+    out += a[1] * b[1]
+    out += a[2] * b[2]
+    return out
 
 
 def cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+    out = np.empty((3, *np.broadcast_shapes(a.shape[1:], b.shape[1:])))
+    for x, y, z in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        np.multiply(a[y], b[z], out=out[x])
+        out[x] -= a[z] * b[y]
+    return out
 
 
 def divide(a: FloatArray, b: FloatArray) -> FloatArray:
