@@ -13,10 +13,11 @@ import numpy as np
 
 from .check_events import check_collisions, check_distances, check_wakeups
 from .check_frames import check_transforms, check_windows
+from .check_minimum import Tally, check_least
 from .check_spans import check_certificate, check_contacts, check_depths, check_tiling
-from .check_world import check_summary, check_world, stated_chords
+from .check_world import check_summary, check_world, stated_chords, summary_of
 from .logs import Log, read_log
-from .sampling import Effort, sample
+from .sampling import Effort, Samples, sample
 from .truth import NANOSECOND, Pair, Truth, seconds
 
 Values = dict[str, Any]
@@ -39,34 +40,54 @@ def check_log(scene_path: Path, log_path: Path, *, effort: Effort | None = None)
     return check(Truth(scene_path), log, effort=effort, epoch=int(log.metadata["closecall"]["epoch"]))
 
 
-def check(truth: Truth, log: Log, *, effort: Effort | None = None, epoch: int = 0) -> list[str]:
-    """Return what is wrong with decoded values of a log whose times `epoch` ns were added to, a line each."""
+def check(
+    truth: Truth, log: Log, *, effort: Effort | None = None, epoch: int = 0, tally: Tally | None = None
+) -> list[str]:
+    """Return what is wrong with decoded values of a log whose times `epoch` ns were added to, a line each.
+
+    What was looked at is added to the `tally`.
+    """
     effort = effort or Effort()
+    tally = tally or Tally()
     faults = [*check_times(log, epoch), *check_names(truth, log)]
     faults += check_transforms(truth, log, effort, epoch)
     faults += check_windows(truth, log, effort)
     if any("no such pair" in fault for fault in faults):
         return faults
     chords = stated_chords(log)
+    told = {one["pair"]: one for one in (summary_of(log) or {"pairs": []})["pairs"]}
     by_pair = {topic: log.by_pair(topic) for topic in PAIR_TOPICS}
     for a, b in truth.pairs():
         facts = {topic: found.get(f"{a}|{b}", []) for topic, found in by_pair.items()}
         chord = min(chords.get(f"{a}|{b}", np.inf), truth.chord_limit(a, b))
-        faults += check_pair(truth, (a, b), facts, effort, epoch, chord)
+        samples = sample(truth, (a, b), in_order(facts["spans"]), facts["wakeups"], effort, epoch)
+        tally.add(truth, facts["spans"], samples, told.get(f"{a}|{b}"))
+        faults += check_pair(truth, (a, b), facts, samples, effort, epoch, chord)
+        faults += check_least(truth, (a, b), told.get(f"{a}|{b}"), samples)
     faults += check_summary(truth, log)
     return [*faults, *check_world(truth, log, effort, epoch, chords)]
 
 
+def in_order(spans: list[Values]) -> list[Values]:
+    """Return spans by their start."""
+    return sorted(spans, key=lambda span: span["start"])
+
+
 def check_pair(
-    truth: Truth, pair: Pair, facts: dict[str, list[Values]], effort: Effort, epoch: int, chord: float
+    truth: Truth,
+    pair: Pair,
+    facts: dict[str, list[Values]],
+    samples: Samples,
+    effort: Effort,
+    epoch: int,
+    chord: float,
 ) -> Iterable[str]:
     """Yield what is wrong about one pair, given its messages by topic and its chord error (m).
 
     Without spans it must never touch, nor come within its margin.
     """
-    spans = sorted(facts["spans"], key=lambda span: span["start"])
+    spans = in_order(facts["spans"])
     collisions = sorted(facts["collisions"], key=lambda event: event["time_clear"])
-    samples = sample(truth, pair, spans, effort)
     yield from check_tiling(truth, pair, spans)
     yield from check_presence(truth, pair, facts, epoch)
     yield from check_certificate(truth, pair, spans, samples, chord)

@@ -20,7 +20,8 @@ POINT_TOLERANCE = 1e-6
 def check_collisions(truth: Truth, pair: Pair, collisions: Sequence[Values], chord: float) -> Iterable[str]:
     """Every bracket is clear at one end, touching at the other, narrow, and the right way round.
 
-    Touching is what is nearer than the chord error (m).
+    Touching is what is nearer than the chord error (m). Of an unknown path nothing is known after the start, where a
+    contact ends for that reason alone.
     """
     if not collisions:
         return
@@ -36,7 +37,7 @@ def check_collisions(truth: Truth, pair: Pair, collisions: Sequence[Values], cho
             yield f"{name}: the wrong way round"
         if abs(clear[i] - touching[i]) > truth.contact_tolerance:
             yield f"{name}: wider than {truth.contact_tolerance} s"
-        if at_clear[i] < -truth.sure_depth and not standing:
+        if at_clear[i] < -truth.sure_depth and not (standing or truth.unknown(*pair)):
             yield f"{name}: touches at its clear end, {-at_clear[i]:.3g} m deep"
         if at_touching[i] > truth.tolerance + chord:
             yield f"{name}: {at_touching[i]:.3g} m apart at its touching end"
@@ -126,7 +127,8 @@ def check_wakeups(
     if not wakeups:
         return
     times = np.array([seconds(message, epoch) for message in wakeups])
-    yield from check_sleeps(pair, wakeups, times, samples.times[samples.signed < -truth.sure_depth])
+    if not truth.unknown(*pair):  # else a sleep may lead on through what is but possible
+        yield from check_sleeps(pair, wakeups, times, samples.times[samples.signed < -truth.sure_depth])
     picked = chosen(wakeups, "sleep", effort)
     times = np.array([seconds(message, epoch) for message in picked])
     said = np.nan_to_num([message["clearance"] for message in picked], nan=0.0)

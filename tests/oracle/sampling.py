@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from .rigid import FloatArray, IntArray
-from .truth import Pair, Truth
+from .truth import Pair, Truth, seconds
 
 Values = dict[str, Any]
 
@@ -23,6 +23,7 @@ class Effort:
         ends, knots: ends of spans and keys of motions that are tried on both sides, chosen at random if there are more.
         minima: local minima of a pair that are searched further.
         messages: messages of one topic and pair that are held against the truth.
+        tight: instants where the log itself says that least is to spare.
         seed: of the random instants.
     """
 
@@ -32,6 +33,7 @@ class Effort:
     knots: int = 100
     minima: int = 8
     messages: int = 60
+    tight: int = 0
     seed: int = 0
 
 
@@ -56,9 +58,14 @@ class Samples:
     signed: FloatArray
 
 
-def sample(truth: Truth, pair: Pair, spans: Sequence[Values], effort: Effort) -> Samples:
+def sample(
+    truth: Truth, pair: Pair, spans: Sequence[Values], wakeups: Sequence[Values], effort: Effort, epoch: int
+) -> Samples:
     """Try a pair over its whole time outside of contacts; `spans` are in order of time."""
-    times = outside_contacts(spans, instants(truth, pair, spans, effort))
+    times = instants(truth, pair, spans, effort)
+    if effort.tight:
+        times = np.union1d(times, tightest(truth, pair, spans, wakeups, effort, epoch))
+    times = outside_contacts(spans, times)
     if not len(times):
         return Samples(times, times)
     promised = clearances(spans, times)
@@ -94,6 +101,34 @@ def instants(truth: Truth, pair: Pair, spans: Sequence[Values], effort: Effort) 
     grid = np.linspace(start, end, effort.uniform)
     times = np.concatenate([grid, rng.uniform(start, end, effort.scattered), around, exact])
     return np.unique(times[(times >= start) & (times <= end)])
+
+
+IN_STRETCH = 8
+"""Instants in each stretch between neighbouring wakeups that is chosen for having little to spare."""
+
+
+def tightest(
+    truth: Truth, pair: Pair, spans: Sequence[Values], wakeups: Sequence[Values], effort: Effort, epoch: int
+) -> FloatArray:
+    """Return instants between the wakeups, outside of contacts, with the least clearance, in m and in m per s of sleep.
+
+    A clearance here is the least that the log says at either end of a stretch or of the spans it lies in.
+    """
+    start, end = truth.interval(*pair)
+    at = {seconds(message, epoch): np.nan_to_num(message["clearance"]) for message in wakeups}
+    times = np.array([start, *sorted(time for time in at if start < time < end), end])
+    said = np.array([at.get(time, np.inf) for time in times])
+    middles, lengths = 0.5 * (times[1:] + times[:-1]), np.diff(times)
+    outside = np.isin(middles, outside_contacts(spans, middles)) & (lengths > 0.0)
+    if not outside.any():
+        return times[:0]
+    starts, lengths = times[:-1][outside], lengths[outside]
+    clearance = np.minimum(np.minimum(said[:-1], said[1:])[outside], clearances(spans, middles[outside]))
+    count = max(1, effort.tight // (2 * IN_STRETCH))
+    orders = (np.argsort(clearance, kind="stable"), np.argsort(clearance / lengths, kind="stable"))
+    chosen = np.unique(np.concatenate([order[:count] for order in orders]))
+    rng = np.random.default_rng([effort.seed, truth.pair_id(*pair), effort.tight])
+    return (starts[chosen, None] + lengths[chosen, None] * rng.random((len(chosen), IN_STRETCH))).reshape(-1)
 
 
 def span_index(spans: Sequence[Values], times: FloatArray) -> IntArray:
@@ -134,17 +169,24 @@ def minima(times: FloatArray, slack: FloatArray, near: FloatArray, count: int) -
 
 
 def search(truth: Truth, pair: Pair, spans: Sequence[Values], times: FloatArray, around: FloatArray) -> Samples:
-    """Narrow the neighbourhoods (k, 2) s of minima, all at once, and return every instant tried."""
+    """Narrow the neighbourhoods (k, 2) s of minima, all at once, and return every instant tried.
+
+    One that motion between its instants cannot bring to breaking is left.
+    """
     tried, found = [times[:0]], [times[:0]]
     for _ in range(ROUNDS if len(around) else 0):
         grid = np.linspace(around[:, 0], around[:, 1], SECTIONS + 2, axis=1)
         flat = grid.reshape(-1)
-        signed = truth.signed(*pair, flat)
+        poses = truth.kinematics.relative(*pair, flat)
+        signed = truth.pair(*pair).signed(poses)
         inside = np.isin(flat, outside_contacts(spans, flat))
         slack = np.where(inside, signed - clearances(spans, flat), np.inf).reshape(grid.shape)
         best = np.clip(slack.argmin(axis=1), 1, SECTIONS)
-        rows = np.arange(len(grid))
-        around = np.stack([grid[rows, best - 1], grid[rows, best + 1]], axis=1)
         tried.append(flat[inside])
         found.append(signed[inside])
+        step = np.append(truth.steps(*pair, poses), 0.0).reshape(grid.shape)[:, :-1].max(axis=1)
+        rows = np.flatnonzero(slack.min(axis=1) < REACH * step + truth.tolerance)
+        if not len(rows):
+            break
+        around = np.stack([grid[rows, best[rows] - 1], grid[rows, best[rows] + 1]], axis=1)
     return Samples(np.concatenate(tried), np.concatenate(found))
