@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -31,6 +32,7 @@ class Draw:
         start, end: s, the time range.
         meshes: the scene's section of that name, as drawn so far.
         files: how many trajectory files have been written.
+        surface: what draws the triangles (n, 3, 3) of a mesh file, within about 1 of its origin.
     """
 
     seed: int
@@ -43,6 +45,7 @@ class Draw:
     end: float
     meshes: dict[str, Any] = field(default_factory=dict)
     files: int = 0
+    surface: Callable[[np.random.Generator], FloatArray] = random_solid
 
     def chance(self, probability: float) -> bool:
         return bool(self.rng.random() < probability)
@@ -120,7 +123,7 @@ class Draw:
         name = f"mesh_{len(self.meshes)}"
         file, unit = name + self.pick(".obj", ".stl"), self.pick(*METRES)
         entry: dict[str, Any] = {"file": file, "units": unit}
-        write_mesh(self.folder / file, random_solid(self.rng) * size / METRES[unit], self.seed)
+        write_mesh(self.folder / file, self.surface(self.rng) * size / METRES[unit], self.seed)
         if self.chance(0.15):
             entry["up"] = "y"
         self.meshes[name] = entry

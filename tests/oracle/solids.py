@@ -70,7 +70,11 @@ def cyclic() -> list:
 
 def torus(rng: np.random.Generator) -> FloatArray:
     """Return a bumpy torus of 7 to 12 by 5 to 8 quads."""
-    around, across = int(rng.integers(7, 13)), int(rng.integers(5, 9))
+    return ring(rng, int(rng.integers(7, 13)), int(rng.integers(5, 9)))
+
+
+def ring(rng: np.random.Generator, around: int, across: int) -> FloatArray:
+    """Return a bumpy torus of `around` by `across` quads."""
     u = 2.0 * np.pi * np.arange(around)[:, None] / around
     v = 2.0 * np.pi * np.arange(across)[None, :] / across
     tube = rng.uniform(0.15, 0.3) * rng.uniform(0.8, 1.2, (around, across))
