@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import nextafter
 from pathlib import Path
 
 import pytest
@@ -86,6 +87,11 @@ def test_a_moment_of_a_repeated_motion_lies_between_the_names_of_its_loop(time: 
     looped = replace(NAMED, before=True, after=True)
     assert looped.around(time) == around
     assert looped.around(time - 4.0) == around
+
+
+def test_a_float_before_a_loop_begins_anew_its_last_key_is_still_ahead() -> None:
+    keys = KeyNames((0.1875, 0.75), ("first", "last"), 0.1875, 0.75, before=True, after=True)
+    assert keys.around(nextafter(0.1875, 0.0)) == keys.around(nextafter(0.75, 0.0)) == ("first", "last")
 
 
 def test_names_follow_one_another_only_where_the_keys_repeat() -> None:

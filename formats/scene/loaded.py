@@ -5,7 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import fmod
+from math import fmod, nextafter
 from pathlib import Path
 
 from ...scheduler.scene import Scene, Settings
@@ -48,7 +48,8 @@ class KeyNames:
         if repeats and period > 0.0:
             loop = -1 if time < self.first else 1
             since = fmod(time - self.first, period)
-            time = self.first + (since if since >= 0.0 else since + period)
+            within = self.first + (since if since >= 0.0 else since + period)
+            time = min(within, nextafter(self.last, self.first))  # a float before the loop's end is not rounded onto it
         place = bisect_right(self.times, time)
         earlier = self.names[place - 1] if place or loop > 0 or self.before else ""
         later = self.names[place % len(self.names)] if place < len(self.names) or loop < 0 or self.after else ""
