@@ -66,6 +66,8 @@ def check_points(truth: Truth, pair: Pair, collisions: Sequence[Values], chord: 
     times = np.array([event["time_touching"] for event in collisions])[known]
     allowed = POINT_TOLERANCE * (1.0 + truth.spread) + truth.tolerance + chord
     for body in pair:
+        if truth.unplaced(body):
+            continue
         off = truth.from_points(body, times, places[known])
         for i in np.flatnonzero(off > allowed):
             yield f"{'|'.join(pair)}: collision at {times[i]} s: its point is {off[i]:.3g} m off {body}"
@@ -112,7 +114,9 @@ def check_distances(
 def check_witnesses(
     truth: Truth, pair: Pair, body: str, times: FloatArray, points: FloatArray, allowed: FloatArray
 ) -> Iterable[str]:
-    """Witness points (n, 3) lie on the body's surface at their times."""
+    """Witness points (n, 3) lie on the body's surface at their times, if its place is known."""
+    if truth.unplaced(body):
+        return
     known = np.isfinite(points).all(axis=1)
     off = np.full(len(points), np.inf)
     off[known] = np.abs(truth.from_points(body, times[known], points[known]))

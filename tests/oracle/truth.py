@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from fnmatch import fnmatchcase
 from functools import cached_property
 from pathlib import Path
@@ -101,8 +101,14 @@ class Truth:
         return self.kinematics.anchor(a) != self.kinematics.anchor(b)
 
     def unknown(self, a: str, b: str) -> bool:
-        """Tell whether a path on the way to either body is unknown, so that what is told is only a bound."""
-        names = {name for body in (a, b) for name in self.kinematics.lineage(body)}
+        """Tell whether a path between two bodies is unknown, so that what is told of them is only a bound."""
+        return self._limited(set(self.kinematics.lineage(a)) ^ set(self.kinematics.lineage(b)))
+
+    def unplaced(self, name: str) -> bool:
+        """Tell whether a body's place in the world is unknown, though another's may be known from it."""
+        return self._limited(self.kinematics.lineage(name))
+
+    def _limited(self, names: Iterable[str]) -> bool:
         return any(self.scene["bodies"][name].get("motion", {}).get("type") == "limits" for name in names)
 
     def allows(self, a: str, b: str) -> bool:
