@@ -27,13 +27,15 @@ def check_transforms(truth: Truth, log: Log, effort: Effort, epoch: int) -> Iter
 
 
 def check_transform(truth: Truth, transform: Values, time: float) -> Iterable[str]:
-    """One transform at one time (s); its timestamp is in ns."""
+    """One transform at one time (s); its timestamp is in ns. Where a path is unknown, it is a picture and no claim."""
     name = transform["child_frame_id"]
     if name not in truth.names:
         yield f"/tf at {time} s: no body {name}"
         return
     if transform["parent_frame_id"] != "world":
         yield f"/tf at {time} s: {name} has parent {transform['parent_frame_id']}"
+    if truth.unplaced(name):
+        return
     times = np.array([time])
     true = truth.kinematics.world_from_body(name, times)[0]
     blur = float(truth.blur(name, times)[0])
