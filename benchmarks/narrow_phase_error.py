@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from closecall.scheduler import narrow_phase
+from closecall.scheduler import placed
 from closecall.scheduler.motions import Fixed
 from closecall.scheduler.narrow_phase import DISTANCE_ERROR, NarrowPhase
 from closecall.scheduler.scene import Body, Mesh, Shape
@@ -86,5 +86,5 @@ def main(pairs: int = 20000, seed: int = 1) -> None:
 
 if __name__ == "__main__":
     if "--unscaled" in sys.argv:
-        narrow_phase.SCALE = 1.0
+        placed.SCALE = 1.0
     main(*(int(argument) for argument in sys.argv[1:] if not argument.startswith("-")))

@@ -39,7 +39,7 @@ class Outlook:
             floor: s, the least step that will be taken.
         """
         here = self._measurement
-        spare = spendable(here.clearance) - self._keeps  # as `proof` has it
+        spare = max(0.0, spendable(here.clearance) - self._keeps)  # as `proof` has it
         sleep, bound = self._pair.motion.sleep(here.moments, here.time, spare, horizon)
         if sleep >= min(horizon, STEPS_TOO_FEW * floor):
             return sleep, bound

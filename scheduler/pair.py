@@ -11,9 +11,10 @@ import numpy as np
 from .chain import Twist, common_ancestor, lineage
 from .directional import Slabs
 from .events import Distance, Feature, FeatureKind, Level, PairKey, Verdict
-from .narrow_phase import NarrowPhase, Proximity, Rounded
+from .narrow_phase import NarrowPhase
 from .nearby import NearTriangles
 from .overlap import Overlaps, proper
+from .proximity import Proximity, Rounded
 from .relative import CANCELLATION, Moments, RelativeMotion
 from .rotation import FloatArray, mapped, translation_of
 from .scene import Scene

@@ -47,7 +47,7 @@ def test_imports_run_one_way_from_cli_over_formats_to_scheduler(folder):
 
 
 def test_one_module_imports_fcl_and_the_scheduler_knows_no_file_format():
-    assert [path.name for path in sources("scheduler") if "fcl" in imported(path)] == ["narrow_phase.py"]
+    assert [path.name for path in sources("scheduler") if "fcl" in imported(path)] == ["placed.py"]
     for path in sources("scheduler"):
         assert not {name.split(".")[0] for name in imported(path)} & HEAVY_IN_SCHEDULER
     for folder in ("formats", "cli"):

@@ -304,3 +304,26 @@ def test_the_error_covers_a_mesh_that_its_pose_brings_back_from_afar(offset):
         places = [sum(Fraction(pose[0, k]) * Fraction(float(v[k])) for k in range(3)) for v in far.vertices]
         true = Fraction(float(there[0, 3])) - Fraction(1, 2) - max(places) - Fraction(float(pose[0, 3]))
         assert abs(found - float(true)) <= phase.error(0, 1)
+
+
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
+def test_first_corners_that_are_nearest_are_not_told_as_meeting(size):
+    """A capsule's end straight above a triangle's first corner: FCL says 0 there now and then."""
+    rng = np.random.default_rng(5)
+    for _ in range(600):
+        gap = float(10.0 ** rng.uniform(-4, 2)) * size
+        segment = np.array([[0.0, 0.0, 0.0], [*rng.normal(size=2), 0.0 if rng.random() < 0.5 else 0.5]]) * size
+        away = [*rng.normal(size=2), 0.0 if rng.random() < 0.5 else -abs(rng.normal())]
+        triangle = np.array([[0.0, 0.0, 0.0], [*rng.normal(size=2), 0.0], away]) * size - [0.0, 0.0, gap]
+        poses = np.tile(np.eye(4), (2, 1, 1))
+        poses[:, :3, :3] = Rotation.random(2, rng=rng).as_matrix()
+        poses[:, :3, 3] = rng.normal(size=(2, 3)) * size
+        own = [(c - pose[:3, 3]) @ pose[:3, :3] for c, pose in zip((segment, triangle), poses, strict=True)]
+        one = Mesh("segment", own[0], np.array([[0, 1, 1]]), False)
+        other = Mesh("triangle", own[1], np.array([[0, 1, 2]]), False)
+        found = phase_of(one, other).nearest(0, 1, *poses)
+        lengths = np.linalg.norm(segment, axis=1).max() + np.linalg.norm(triangle, axis=1).max()
+        near = separation(np.moveaxis(segment[[0, 1, 1]][None], 2, 0), np.moveaxis(triangle[None], 2, 0))
+        assert found.distance == pytest.approx(max(0.0, float(near[0])), abs=1e-12 * lengths)
+        apart = np.linalg.norm(np.array(found.witness_a) - found.witness_b)
+        assert apart == pytest.approx(found.distance, abs=1e-11 * lengths)

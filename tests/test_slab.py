@@ -5,10 +5,16 @@ from math import inf, sqrt
 import numpy as np
 import pytest
 from drawn_motions import CONTINUOUS, random_chain, random_unit, vector
+from small_scenes import box
 
 from closecall.scheduler.chain import Twist
+from closecall.scheduler.motions import Fixed, Harmonic
 from closecall.scheduler.motions.spread import STILL, ball
+from closecall.scheduler.narrow_phase import NarrowPhase
+from closecall.scheduler.outlook import Outlook
+from closecall.scheduler.pairing import pairs_that_might_collide
 from closecall.scheduler.relative import Approach, RelativeMotion
+from closecall.scheduler.scene import Body, PairRules, Scene
 from closecall.scheduler.slab import Points, Slab
 from oracle.gjk import distances
 
@@ -126,3 +132,16 @@ def test_a_square_that_tilts_closes_it_with_its_far_corner():
     ahead = Approach(0.1, 0.0, 1.0, (0.0, 0.0, 0.0), STILL)
     found = slab(AT_REST._replace(angular_velocity=(0.0, -0.1, 0.0)), ahead).sleep(0.0)
     assert found == pytest.approx(1e-2, rel=1e-6)
+
+
+def test_nothing_is_slept_on_where_a_distance_is_hardly_above_what_it_is_to_keep():
+    """By less than what is granted to rounding: there is nothing to spend, nor less than nothing."""
+    bodies = (
+        Body("a", None, np.eye(4), Harmonic((1.0, 0.0, 0.0), 0.05, 1.0, 1.0), (box(1.0, 1.0, 1.0),)),
+        Body(
+            "b", None, np.array([[1.0, 0, 0, 1.1], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]), Fixed(), (box(1, 1, 1),)
+        ),
+    )
+    (pair,) = pairs_that_might_collide(Scene(bodies, 0.0, 1.0, PairRules()), NarrowPhase(bodies), 0.0)
+    measurement = pair.measure_exactly(0.0)
+    assert Outlook(pair, measurement, measurement.clearance * (1.0 - 1e-15)).sleep(1.0, 1e-3)[0] < 1e-12
