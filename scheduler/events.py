@@ -44,6 +44,7 @@ class Bound(Enum):
     DIRECTIONAL = "directional"
     TIME_RESOLUTION = "time_resolution"
     CONTACT_TOLERANCE = "contact_tolerance"
+    WINDOWS = "windows"
 
 
 class FeatureKind(Enum):
@@ -109,7 +110,7 @@ class Wakeup:
 
     Attributes:
         clearance: m, certified lower bound on the distance of the solids at `time`, 0 in contact.
-        sleep: s until the next wakeup of the pair; 0 at the end.
+        sleep: s until the next wakeup of the pair, or for which windows clear it at least; 0 at the end.
     """
 
     time: float
@@ -178,6 +179,25 @@ class Span:
 
 
 @dataclass(frozen=True, slots=True)
+class Window:
+    """A box along the world's axes, from `low` to `high`, that the body of this index does not leave over [start, end].
+
+    The next window of the body begins at `end`, or, where it jumps, at the next float.
+    """
+
+    body: int
+    start: float
+    end: float
+    low: Point
+    high: Point
+
+    @property
+    def time(self) -> float:
+        """The fact's own time, s."""
+        return self.start
+
+
+@dataclass(frozen=True, slots=True)
 class Nearness:
     """How near a pair is at the instant of a snapshot, measured exactly.
 
@@ -214,4 +234,4 @@ class Snapshot:
     occasion: Collision | None
 
 
-Event = Wakeup | Distance | Collision | Span | Snapshot
+Event = Wakeup | Distance | Collision | Span | Window | Snapshot

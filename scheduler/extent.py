@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,6 +39,19 @@ def bounding_ball(points: FloatArray) -> Ball:
     centre = 0.5 * (points.min(axis=0) + points.max(axis=0))
     x, y, z = centre.tolist()
     return Ball((x, y, z), float(np.max(np.linalg.norm(points - centre, axis=1))))
+
+
+def body_extents(bodies: Sequence[Body]) -> dict[int, Extent]:
+    """Return the extents of the bodies that have shapes, by index; bodies of the same shapes share one."""
+    made: dict[tuple[tuple[int, float, bytes], ...], Extent] = {}
+    extents: dict[int, Extent] = {}
+    for index, body in enumerate(bodies):
+        if body.shapes:
+            shapes = tuple((id(shape.mesh), shape.radius, shape.pose.tobytes()) for shape in body.shapes)
+            if shapes not in made:
+                made[shapes] = body_extent(body)
+            extents[index] = made[shapes]
+    return extents
 
 
 def body_extent(body: Body) -> Extent:

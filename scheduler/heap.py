@@ -1,11 +1,15 @@
-"""The lecture's queue: pairs by wakeup time, ties by pair id."""
+"""The lecture's queue: pairs by wakeup time, ties by pair id; and the ends of windows, before pairs of one time."""
 
 from __future__ import annotations
 
 import heapq
+from math import inf
 
 from .events import Reason
 from .watch import Watch
+
+#: The broad phase's place among the pairs of one time: the first.
+_TICK = -1
 
 
 class WakeupQueue:
@@ -13,7 +17,7 @@ class WakeupQueue:
 
     def __init__(self) -> None:
         """Start empty."""
-        self._heap: list[tuple[float, int, Reason, Watch]] = []
+        self._heap: list[tuple[float, int, Reason, Watch | None]] = []
 
     def __bool__(self) -> bool:
         """Tell whether any pair sleeps."""
@@ -23,7 +27,12 @@ class WakeupQueue:
         """Let a pair sleep until `time` (s)."""
         heapq.heappush(self._heap, (time, watch.pair.key.id, reason, watch))
 
-    def pop(self) -> tuple[float, Reason, Watch]:
-        """Wake the pair with the earliest wakeup time, the one most likely to collide first."""
+    def push_tick(self, time: float) -> None:
+        """Have windows end at `time` (s), unless that is never."""
+        if time < inf:
+            heapq.heappush(self._heap, (time, _TICK, Reason.WINDOW, None))
+
+    def pop(self) -> tuple[float, Reason, Watch | None]:
+        """Wake the pair with the earliest wakeup time, the one most likely to collide first; None: windows end."""
         time, _, reason, watch = heapq.heappop(self._heap)
         return time, reason, watch

@@ -140,10 +140,12 @@ class NarrowPhase:
 
         The terms of each placed point are counted apart: a mesh far from its own origin may be put back by its pose.
         """
-        return sum(
-            DISTANCE_ERROR * max(part.extent for part in parts) + max(part.model.error for part in parts)
-            for parts in (self._bodies[a], self._bodies[b])
-        )
+        return self.own_error(a) + self.own_error(b)
+
+    def own_error(self, body: int) -> float:
+        """Return the part (m) of that error which a body brings into each of its pairs."""
+        parts = self._bodies[body]
+        return DISTANCE_ERROR * max(part.extent for part in parts) + max(part.model.error for part in parts)
 
     def _measure(self, one: PlacedShape, other: PlacedShape) -> Proximity:
         """Measure two placed shapes: first whether they meet, which is cheap, then how far apart they are."""

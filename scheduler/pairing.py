@@ -9,7 +9,7 @@ import numpy as np
 
 from .chain import Chain, anchor, chain_to, common_ancestor, lineage
 from .events import PairKey
-from .extent import Ball, Extent, body_extent
+from .extent import Ball, Extent, body_extents
 from .motions import Limits
 from .narrow_phase import NarrowPhase
 from .pair import Pair
@@ -35,23 +35,47 @@ def pairs_that_might_collide(scene: Scene, narrow_phase: NarrowPhase, margin: fl
         narrow_phase: of its bodies; gets a ball for each whose path is unknown.
         margin: m, of pairs that no rule gives one of their own.
     """
-    sides = Sides(scene, narrow_phase)
+    pairing = Pairing(scene, narrow_phase, margin)
     for a, b in all_pairs(len(scene.bodies)):
+        if (pair := pairing.pair(a, b)) is not None:
+            yield pair
+
+
+class Pairing:
+    """Makes the pairs of a scene, one at a time; bodies' chains are shared between them.
+
+    Attributes:
+        scene: whose rules say which pairs are allowed.
+        sides: what stands for its bodies.
+        narrow_phase: of its bodies; gets a ball for each whose path is unknown.
+        margin: m, of pairs that no rule gives one of their own.
+    """
+
+    def __init__(self, scene: Scene, narrow_phase: NarrowPhase, margin: float) -> None:
+        """Take the scene; no pair is made yet."""
+        self.scene = scene
+        self.sides = Sides(scene, narrow_phase)
+        self.narrow_phase = narrow_phase
+        self.margin = margin
+
+    def pair(self, a: int, b: int) -> Pair | None:
+        """Return the pair of the bodies a < b; None where they have no shapes or cannot meet, or may not be checked."""
+        scene, sides = self.scene, self.sides
         if a not in sides.extents or b not in sides.extents or not scene.rules.allow(a, b):
-            continue
+            return None
         begin, end = scene.shared_time(a, b)
         ancestor = common_ancestor(scene.bodies, a, b)
         one, other = sides.of(a, ancestor), sides.of(b, ancestor)
         motion = RelativeMotion(one.chain, other.chain, one.unknown + other.unknown)
         if motion.rigid or begin >= end:
-            continue
+            return None
         key = PairKey(pair_id(a, b, len(scene.bodies)), a, b)
-        own = scene.rules.margin(a, b, margin)
+        own = scene.rules.margin(a, b, self.margin)
         at_start = None
         if motion.unknown and sides.known_at(begin, a, ancestor) and sides.known_at(begin, b, ancestor):
             still = RelativeMotion(sides.at_rest(a, ancestor), sides.at_rest(b, ancestor))
-            at_start = Pair(key, scene, still, narrow_phase, own, (a, b))
-        yield Pair(key, scene, motion, narrow_phase, own, (one.measured, other.measured), at_start)
+            at_start = Pair(key, scene, still, self.narrow_phase, own, (a, b))
+        return Pair(key, scene, motion, self.narrow_phase, own, (one.measured, other.measured), at_start)
 
 
 def ignored_pairs(scene: Scene) -> list[tuple[int, int]]:
@@ -80,14 +104,20 @@ class Sides:
 
     def __init__(self, scene: Scene, narrow_phase: NarrowPhase) -> None:
         """Take the scene, and the narrow phase of its bodies."""
-        self.extents = {index: body_extent(body) for index, body in enumerate(scene.bodies) if body.shapes}
+        self.extents = body_extents(scene.bodies)
         self._bodies = scene.bodies
         self._times = (scene.start, scene.end)
         self._narrow_phase = narrow_phase
         self._balls: dict[tuple[int, int], tuple[int, Extent]] = {}
+        self._made: dict[tuple[int, int | None], Side] = {}
 
     def of(self, body: int, ancestor: int | None) -> Side:
-        """Return what stands for a body seen from an ancestor."""
+        """Return what stands for a body seen from an ancestor, made once."""
+        if (body, ancestor) not in self._made:
+            self._made[body, ancestor] = self._side(body, ancestor)
+        return self._made[body, ancestor]
+
+    def _side(self, body: int, ancestor: int | None) -> Side:
         unknown = self._unknown(body, ancestor)
         if not unknown:
             return Side(self.at_rest(body, ancestor), body, ())

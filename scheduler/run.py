@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Generator, Iterable
 
+from .crowd import Crowd
 from .events import Bound, Event, Reason, Wakeup
 from .heap import WakeupQueue
 from .pair import Pair
@@ -11,33 +12,52 @@ from .scene import Settings
 from .watch import Watch
 
 
-def run(pairs: Iterable[Pair], settings: Settings) -> Generator[Event, None, None]:
+def run(pairs: Iterable[Pair], settings: Settings, crowd: Crowd | None = None) -> Generator[Event, None, None]:
     """Yield everything that happens between the pairs that might collide, from the scene's start to its end.
 
     Invariant: every such pair sleeps in the heap, and until its wakeup either it provably cannot touch, or the step is
-    one of the time resolution, which is judged afterwards and called unresolved where it cannot be proved clear.
+    one of the time resolution, which is judged afterwards and called unresolved where it cannot be proved clear. Pairs
+    of a crowd sleep in it only while their swept boxes meet, or their own sleep lasts longer; windows of disjoint boxes
+    clear the others.
     It ends because every wakeup of a pair is later than the one before by a bound or by the floor, except while a
     bracket between clear and touching is walked or halved, or an unproved step is tried again with finer ones; both
-    are limited.
+    are limited. So are windows.
 
     Wakeups come in order of time, but for those that refine: they go back by no more than one time resolution, until
     the pair is decided; those after that look for its least distance, at any time.
+
+    Args:
+        pairs: that are watched throughout.
+        settings: of the run.
+        crowd: makes further pairs as they are needed.
     """
     queue = WakeupQueue()
     # Initially all pairs that might collide are measured at t0: all wake at once, but those of bodies yet to come.
     for pair in pairs:
         queue.push(pair.start, Reason.START, Watch(pair, settings))
+    if crowd is not None:
+        queue.push_tick(crowd.next_tick)
 
     while queue:
         # The first pair is pulled off the queue,
         time, reason, watch = queue.pop()
+        # unless windows end before: then new ones begin, and the pairs whose boxes meet enter the queue.
+        if watch is None:
+            assert crowd is not None
+            for entering in (yield from crowd.meet()):
+                queue.push(*entering)
+            queue.push_tick(crowd.next_tick)
+            continue
         # and the distance measuring algorithm is run, at the poses A_i(t).
         measurement = watch.pair.measure(time)
         # If a collision has occurred, it is reported,
         yield from watch.learn(measurement)
         # and the pair goes back with t_min; if not, with a new lower bound on its time to collision: max(t_c, t_min).
         plan = watch.plan()
-        if plan is not None:
+        # Where windows clear it for longer than that, it leaves the queue until they no longer do.
+        if crowd is not None and plan is not None:
+            plan = crowd.part(watch, time, plan)
+        if plan is not None and plan.bound is not Bound.WINDOWS:
             queue.push(plan.time, plan.reason, watch)
         sleep, bound = (max(0.0, plan.time - time), plan.bound) if plan else (0.0, Bound.NONE)
         yield Wakeup(time, watch.pair.key, reason, measurement.level, bound, watch.clearance, sleep)
@@ -45,3 +65,5 @@ def run(pairs: Iterable[Pair], settings: Settings) -> Generator[Event, None, Non
         if plan is None:
             yield from watch.finish()
     # The queue runs empty when every wakeup would exceed the simulation time.
+    if crowd is not None:
+        yield from crowd.finish()

@@ -39,6 +39,13 @@ class Stretch(NamedTuple):
         )
 
 
+class Cleared(NamedTuple):
+    """Up to `end` (s) two bodies' swept boxes are at least `clearance` (m) apart."""
+
+    end: float
+    clearance: float
+
+
 class SpanRecord:
     """The growing last span of a pair: neighbours of one verdict become one span.
 
@@ -48,6 +55,7 @@ class SpanRecord:
     Attributes:
         untold: the stretches that wait.
         touched: whether the pair has ever been in contact.
+        end: s, up to when all is decided.
     """
 
     def __init__(self, key: PairKey, start: float) -> None:
@@ -55,17 +63,17 @@ class SpanRecord:
         self.untold: list[Stretch] = []
         self.touched = False
         self._key = key
-        self._end = start
+        self.end = start
         self._last: Stretch | None = None
 
     def extend(
         self, until: float, verdict: Verdict, clearance: float, depth_limit: float, nearest: float
     ) -> Iterator[Span]:
         """Add the stretch up to `until`, s; yield the spans that it ends."""
-        if until <= self._end:
+        if until <= self.end:
             return
-        self.untold.append(Stretch(self._end, until, verdict, clearance, depth_limit, nearest))
-        self._end = until
+        self.untold.append(Stretch(self.end, until, verdict, clearance, depth_limit, nearest))
+        self.end = until
         self.touched |= verdict is Verdict.CONTACT
         if self.touched:
             yield from self._tell()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from math import inf, nan, nextafter, ulp
 from typing import NamedTuple
 
@@ -14,7 +14,7 @@ from .outlook import Outlook
 from .pair import Measurement, Pair
 from .relative import Proof
 from .scene import Settings
-from .stretches import SpanRecord
+from .stretches import Cleared, SpanRecord
 
 #: From its clear side a bracket is walked by the bounds, but in steps no smaller than this share of it.
 BRACKET_SHARE = 1.0 / 8.0
@@ -64,7 +64,7 @@ class Watch:
         if known is None:
             measurement = self.pair.look_inside(measurement)
             self._stand_at(measurement)
-            if self.pair.at_start is not None:
+            if self.pair.at_start is not None and measurement.time == self.pair.start:
                 yield from self._touch_at_start(self.pair.at_start)
             if measurement.touching:
                 yield from self._change(measurement, measurement)
@@ -87,6 +87,23 @@ class Watch:
             search = LeastDistance(self.pair, self._spans.untold, share, self._settings.time_resolution)
             yield from search.narrow()
         yield from self._spans.finish()
+
+    @property
+    def decided(self) -> float:
+        """Up to when (s) all is decided of the pair."""
+        return self._spans.end
+
+    @property
+    def parting(self) -> bool:
+        """Whether the pair was last seen clear, and nothing is left to decide up to then."""
+        known = self._known
+        return self._other is None and known is not None and known.standing is Verdict.CLEAR
+
+    def clear(self, stretches: Iterable[Cleared]) -> Iterator[Event]:
+        """Take in what windows cleared since all was decided; the pair is then looked at anew."""
+        for end, clearance in stretches:
+            yield from self._spans.extend(end, Verdict.CLEAR, clearance, 0.0, inf)
+        self._known = self._outlook = None
 
     def plan(self) -> Plan | None:
         """Return the next wakeup, None when the pair is decided up to the end."""

@@ -225,6 +225,22 @@ class Span(_message.Message):
     depth_limit: float
     def __init__(self, timestamp: _Optional[_Union[_timestamp_pb2.Timestamp, _Mapping[str, object]]] = ..., pair: _Optional[str] = ..., pair_id: _Optional[int] = ..., body_a: _Optional[str] = ..., body_b: _Optional[str] = ..., verdict: _Optional[_Union[Span.Verdict, str]] = ..., start: _Optional[float] = ..., end: _Optional[float] = ..., clearance: _Optional[float] = ..., depth_limit: _Optional[float] = ...) -> None: ...
 
+class Window(_message.Message):
+    __slots__ = ("timestamp", "body", "start", "end", "box_min", "box_max")
+    TIMESTAMP_FIELD_NUMBER: _ClassVar[int]
+    BODY_FIELD_NUMBER: _ClassVar[int]
+    START_FIELD_NUMBER: _ClassVar[int]
+    END_FIELD_NUMBER: _ClassVar[int]
+    BOX_MIN_FIELD_NUMBER: _ClassVar[int]
+    BOX_MAX_FIELD_NUMBER: _ClassVar[int]
+    timestamp: _timestamp_pb2.Timestamp
+    body: str
+    start: float
+    end: float
+    box_min: Point
+    box_max: Point
+    def __init__(self, timestamp: _Optional[_Union[_timestamp_pb2.Timestamp, _Mapping[str, object]]] = ..., body: _Optional[str] = ..., start: _Optional[float] = ..., end: _Optional[float] = ..., box_min: _Optional[_Union[Point, _Mapping[str, object]]] = ..., box_max: _Optional[_Union[Point, _Mapping[str, object]]] = ...) -> None: ...
+
 class World(_message.Message):
     __slots__ = ("timestamp", "min_distance", "pair", "contacts", "pairs")
     class Pair(_message.Message):

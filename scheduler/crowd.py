@@ -1,0 +1,88 @@
+"""The pairs of a crowd of bodies: they enter the queue when their swept boxes meet, and leave it when they part."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterator
+
+from .broad_phase import BroadPhase
+from .events import Bound, Event, Reason
+from .pairing import Pairing
+from .scene import Settings, pair_id
+from .watch import Plan, Watch
+
+
+class Crowd:
+    """Which pairs are in the queue, and what is known of those that have left it.
+
+    Invariant: at every time each pair that might collide is covered by disjoint swept boxes over windows that contain
+    that time, or is in the queue with a valid wakeup, or has been decided up to its end.
+    """
+
+    def __init__(self, pairing: Pairing, settings: Settings) -> None:
+        """Take what makes the scene's pairs; none is made yet."""
+        self._pairing = pairing
+        self._settings = settings
+        self._windows = BroadPhase(pairing)
+        self._bodies = len(pairing.scene.bodies)
+        self._inside: set[int] = set()
+        self._never: set[int] = set()
+        self._outside: dict[int, Watch] = {}
+
+    @property
+    def next_tick(self) -> float:
+        """When windows end, and others begin, s; inf for never."""
+        return self._windows.next_tick
+
+    def meet(self) -> Generator[Event, None, list[tuple[float, Reason, Watch]]]:
+        """Begin the windows of the next tick; tell them, and return the pairs that enter with their wakeups.
+
+        A pair that was cleared until now wakes now: the windows that end clear it up to this very time.
+        """
+        time = self.next_tick
+        windows, meeting = self._windows.renew()
+        yield from windows
+        entering = []
+        for a, b in meeting:
+            watch = self._watch(a, b)
+            if watch is None:
+                continue
+            begin = watch.pair.start
+            if watch.decided < time:
+                yield from watch.clear(self._windows.clearances(a, b, watch.decided, time))
+            first = time <= begin
+            entering.append((begin if first else time, Reason.START if first else Reason.WINDOW, watch))
+        return entering
+
+    def part(self, watch: Watch, time: float, plan: Plan) -> Plan:
+        """Return the pair's plan at `time` (s), or, where windows clear it for longer, how long they do.
+
+        Such a pair leaves the queue.
+        """
+        key = watch.pair.key
+        if not watch.parting or (until := self._windows.cleared_until(key.a, key.b, time)) < plan.time:
+            return plan
+        self._inside.discard(key.id)
+        self._outside[key.id] = watch
+        return Plan(until, Reason.WINDOW, Bound.WINDOWS)
+
+    def finish(self) -> Iterator[Event]:
+        """Yield what is left to tell of the pairs that have left and never met again."""
+        for _, watch in sorted(self._outside.items()):
+            key, end = watch.pair.key, watch.pair.end
+            yield from watch.clear(self._windows.clearances(key.a, key.b, watch.decided, end))
+            yield from watch.finish()
+
+    def _watch(self, a: int, b: int) -> Watch | None:
+        """Return the watch of a pair that is to enter, made where it never has; None where it is in, or never does."""
+        number = pair_id(a, b, self._bodies)
+        if number in self._inside or number in self._never:
+            return None
+        watch = self._outside.pop(number, None)
+        if watch is None:
+            pair = self._pairing.pair(a, b)
+            if pair is None:
+                self._never.add(number)
+                return None
+            watch = Watch(pair, self._settings)
+        self._inside.add(number)
+        return watch
