@@ -31,22 +31,28 @@ def command(
     Example: closecall check scene.yaml --suggest-ignores
     """
     from ..formats.scene.reader import read_scene
+    from ..scheduler.broad_phase import near_at_start
     from ..scheduler.narrow_phase import NarrowPhase
-    from .job import paired
+    from ..scheduler.pairing import Pairing
+    from .job import FEW_PAIRS, all_of, counted_pairs
     from .show import print_json, print_warnings
     from .understood import print_ignores, print_understood, understood
 
     with faults_reported():
         loaded = read_scene(scene, mesh_roots, max_bytes)
-        narrow_phase = NarrowPhase(loaded.scene.bodies)
-        loaded, pairs = paired(loaded, narrow_phase, loaded.settings, max_pairs, strict)
+        pairing = Pairing(loaded.scene, NarrowPhase(loaded.scene.bodies), loaded.settings.margin)
+        loaded, total = counted_pairs(loaded, strict)
+        pairs = near_at_start(pairing) if total > FEW_PAIRS else all_of(loaded, pairing, total, max_pairs)
+        margins = {pair.margin for pair in pairs}
+        if total > FEW_PAIRS:
+            margins = {loaded.settings.margin, *(margin for _, margin in loaded.scene.rules.margins)}
         if quiet:
             return 0
         print_warnings(loaded.warnings)
         if suggest_ignores:
             print_ignores(loaded.scene, pairs)
         elif as_json:
-            print_json(understood(loaded, pairs))
+            print_json(understood(loaded, total, sorted(margins)))
         else:
-            print_understood(loaded, pairs)
+            print_understood(loaded, total, sorted(margins))
     return 0

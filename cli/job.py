@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
-from itertools import islice
 from math import inf
 from pathlib import Path
 from time import perf_counter
@@ -19,14 +18,20 @@ from ..formats.log.writer import LogOptions, LogWriter, Topics
 from ..formats.scene.errors import SceneError, counted, whole_file
 from ..formats.scene.loaded import LoadedScene
 from ..formats.scene.reader import read_scene
+from ..scheduler.counting import count_pairs
+from ..scheduler.crowd import Crowd
 from ..scheduler.narrow_phase import NarrowPhase
+from ..scheduler.nearest import CrowdObserver
 from ..scheduler.pair import Pair
-from ..scheduler.pairing import pairs_that_might_collide
+from ..scheduler.pairing import Pairing
 from ..scheduler.run import run
 from ..scheduler.scene import Scene, Settings, least_duration
-from ..scheduler.snapshot import Observer, observed
+from ..scheduler.snapshot import Observer, Observes, observed
 from .options import LEAST_SNAPSHOTS, USUAL_RATE, RunOptions
 from .progress import shown
+
+#: Up to so many pairs each is watched throughout, and its least distance told. Of more, swept boxes say which are.
+FEW_PAIRS = 1000
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,16 +60,23 @@ def run_job(scene_path: Path, output: Path, options: RunOptions) -> Result:
     loaded = read_scene(scene_path, options.mesh_roots, options.max_bytes)
     settings = _settings(loaded.scene, loaded.settings, options)
     narrow_phase = NarrowPhase(loaded.scene.bodies)
-    loaded, pairs = paired(loaded, narrow_phase, settings, options.max_pairs, options.strict)
-    events = run(pairs, settings)
+    pairing = Pairing(loaded.scene, narrow_phase, settings.margin)
+    loaded, total = counted_pairs(loaded, options.strict)
+    crowded = total > FEW_PAIRS if options.broad_phase == "auto" else options.broad_phase == "on"
+    pairs = () if crowded else all_of(loaded, pairing, total, options.max_pairs)
+    events = run(pairs, settings, Crowd(pairing, settings) if crowded else None)
     if options.log == "full":
-        observer = Observer(loaded.scene, pairs, options.viz_pairs, narrow_phase)
+        observer: Observes
+        if crowded:
+            observer = CrowdObserver(pairing, options.viz_pairs)
+        else:
+            observer = Observer(loaded.scene, pairs, options.viz_pairs, narrow_phase)
         events = observed(events, observer, loaded.scene, _rate(loaded.scene, options), settings.time_resolution)
     if not options.quiet:
         events = shown(events, loaded.scene.start, loaded.scene.end, scene_path.name)
     ready = perf_counter()
     writing = 0.0
-    with LogWriter(output, loaded, settings, len(pairs), _log_options(options)) as log, closing(events):
+    with LogWriter(output, loaded, settings, total, _log_options(options)) as log, closing(events):
         for event in events:
             told = perf_counter()
             log.write(event)
@@ -82,26 +94,32 @@ def run_job(scene_path: Path, output: Path, options: RunOptions) -> Result:
     return Result(summary, loaded.warnings, seconds)
 
 
-def paired(
-    loaded: LoadedScene, narrow_phase: NarrowPhase, settings: Settings, max_pairs: int, strict: bool
-) -> tuple[LoadedScene, tuple[Pair, ...]]:
-    """Return the scene with its last warnings, and its pairs.
+def counted_pairs(loaded: LoadedScene, strict: bool) -> tuple[LoadedScene, int]:
+    """Return the scene with its last warnings, and how many pairs are to be checked.
 
     Raises:
-        SceneError: for more than `max_pairs` pairs, and under `strict` for any warning.
+        SceneError: under `strict` for any warning.
     """
-    candidates = pairs_that_might_collide(loaded.scene, narrow_phase, settings.margin)
-    pairs = tuple(islice(candidates, max_pairs + 1))
-    if len(pairs) > max_pairs:
-        raise SceneError(
-            [whole_file(loaded.path, f"more than {counted(max_pairs, 'pair')}, ignore some or raise --max-pairs")]
-        )
+    pairs = count_pairs(loaded.scene).checked
     if not pairs:
         nothing = "nothing to check: no two bodies that may be checked move relative to each other"
         loaded = replace(loaded, warnings=(*loaded.warnings, str(whole_file(loaded.path, nothing))))
     if strict and loaded.warnings:
         raise SceneError([whole_file(loaded.path, f"under --strict: {text}") for text in loaded.warnings])
     return loaded, pairs
+
+
+def all_of(loaded: LoadedScene, pairing: Pairing, total: int, max_pairs: int) -> tuple[Pair, ...]:
+    """Return all pairs of a scene, of which there are `total`.
+
+    Raises:
+        SceneError: for more than `max_pairs` pairs.
+    """
+    if total > max_pairs:
+        raise SceneError(
+            [whole_file(loaded.path, f"more than {counted(max_pairs, 'pair')}, ignore some or raise --max-pairs")]
+        )
+    return tuple(pairing.all())
 
 
 def _log_options(options: RunOptions) -> LogOptions:

@@ -38,6 +38,7 @@ class RunOptions:
     max_bytes: int
     max_pairs: int
     strict: bool
+    broad_phase: str
     log: str
     topics: str
     rate: float | None
@@ -113,6 +114,13 @@ _OPTIONS = (
     click.option("--compression", type=click.Choice(["zstd", "lz4", "none"]), default="zstd", show_default=True),
     click.option("--attach-meshes/--no-attach-meshes", default=True, help="Keep the mesh files in the log, or not."),
     *_SCENE_OPTIONS,
+    click.option(
+        "--broad-phase",
+        type=click.Choice(["auto", "on", "off"]),
+        default="auto",
+        show_default=True,
+        help="Swept boxes clear distant pairs; auto: of more than 1000 pairs. Else each pair is watched throughout.",
+    ),
     click.option(
         "--log",
         type=click.Choice(["full", "certificate"]),

@@ -28,8 +28,8 @@ MOST_NAMED = 8
 MOST_STRETCHES = 20_000
 
 
-def understood(loaded: LoadedScene, pairs: Sequence[Pair]) -> dict[str, Any]:
-    """Return what was understood: SI units, null for what is not there."""
+def understood(loaded: LoadedScene, pairs: int, margins: list[float]) -> dict[str, Any]:
+    """Return what was understood, in SI units, null for what is not there: so many pairs, with these margins."""
     scene, settings = loaded.scene, loaded.settings
     files = {file.name for file in loaded.trajectory_files}
     return {
@@ -41,10 +41,10 @@ def understood(loaded: LoadedScene, pairs: Sequence[Pair]) -> dict[str, Any]:
             "distance_tolerance": settings.distance_tolerance,
         },
         "bodies": [_body(scene, body, files) for body in scene.bodies],
-        "pairs": len(pairs),
+        "pairs": pairs,
         "pairs_possible": _possible(scene),
         "ignored": [f"{scene.bodies[a].name}|{scene.bodies[b].name}" for a, b in ignored_pairs(scene)],
-        "margins": sorted({pair.margin for pair in pairs}),
+        "margins": margins,
         "files": [
             {"name": file.name, "path": str(file.path)} for file in (*loaded.mesh_files, *loaded.trajectory_files)
         ],
@@ -52,7 +52,7 @@ def understood(loaded: LoadedScene, pairs: Sequence[Pair]) -> dict[str, Any]:
     }
 
 
-def print_understood(loaded: LoadedScene, pairs: Sequence[Pair]) -> None:
+def print_understood(loaded: LoadedScene, pairs: int, margins: list[float]) -> None:
     """Print the bodies as a table, then pairs and times."""
     scene, settings = loaded.scene, loaded.settings
     console = console_for()
@@ -69,10 +69,10 @@ def print_understood(loaded: LoadedScene, pairs: Sequence[Pair]) -> None:
         console.print(f"... and {counted(len(scene.bodies) - MOST_ROWS, 'more body', 'more bodies')}")
     bodies, possible, ignored = counted(len(scene.bodies), "body", "bodies"), _possible(scene), ignored_pairs(scene)
     others = f"; {len(ignored)} ignored: {_named(scene, ignored)}" if ignored else ""
-    if still := possible - len(pairs) - len(ignored):
+    if still := possible - pairs - len(ignored):
         others += f"; {still} never move relative to each other, or never meet in time"
-    console.print(f"{bodies}, {len(pairs)} of {counted(possible, 'pair')} to check{others}")
-    margins = sorted({pair.margin for pair in pairs if pair.margin > 0.0})
+    console.print(f"{bodies}, {pairs} of {counted(possible, 'pair')} to check{others}")
+    margins = [margin for margin in margins if margin > 0.0]
     if margins:
         more = f" and {len(margins) - 5} more" if len(margins) > 5 else ""
         console.print(f"margins {', '.join(f'{margin:.6g}' for margin in margins[:5])} m{more}")

@@ -10,7 +10,7 @@ import heapq
 from array import array
 from collections import defaultdict
 from collections.abc import Iterator
-from math import ceil, inf, nextafter
+from math import ceil, hypot, inf, nextafter
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from .bounds import spendable
 from .chain import anchor
 from .events import Window
 from .grid import BoxGrid
+from .pair import Pair
 from .pairing import Pairing
 from .scene import FloatArray, IntArray, Scene
 from .stretches import Cleared
@@ -102,6 +103,12 @@ class BroadPhase:
         self._due[tick].append((start, body))
 
 
+def near_at_start(pairing: Pairing) -> tuple[Pair, ...]:
+    """Return the pairs that may touch when the first bodies are there."""
+    _, meeting = BroadPhase(pairing).renew()
+    return tuple(pair for a, b in meeting if (pair := pairing.pair(a, b)) is not None)
+
+
 class History:
     """All windows that have begun, by body."""
 
@@ -146,7 +153,7 @@ class History:
 def _gap(one: list[float], other: list[float]) -> float:
     """Return the distance (m) of two boxes, each its low corner and its high one."""
     sides = (max(0.0, one[k] - other[k + 3], other[k] - one[k + 3]) for k in range(3))
-    return sum(side * side for side in sides) ** 0.5
+    return hypot(*sides)
 
 
 def _swept_bodies(pairing: Pairing) -> dict[int, SweptBody]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .chain import anchor
-from .scene import IntArray, PairRules, PairSet, Scene
+from .scene import IntArray, PairRules, Scene
 
 
 class PairCounts(NamedTuple):
@@ -61,7 +61,8 @@ def _sharing_time(scene: Scene, bodies: IntArray) -> PairCounts:
 def _kinds(rules: PairRules, bodies: IntArray) -> tuple[int, IntArray, NDArray[np.bool_]]:
     """Return how many kinds of bodies the rules tell apart, each body's, and which two kinds' pairs are checked."""
     sets = [*rules.checked, *rules.ignored]
-    named = np.array([[body in side for pairs in sets for side in _sides(pairs)] for body in bodies.tolist()], dtype=bool)
+    sides = [side for pairs in sets for side in (pairs.one, pairs.other)]
+    named = np.array([[body in side for side in sides] for body in bodies.tolist()], dtype=bool)
     named = named.reshape(len(bodies), 2 * len(sets))
     told, kind_of = np.unique(named, axis=0, return_inverse=True) if sets else (named[:1], np.zeros(len(bodies), int))
     one, other = told[:, 0::2].astype(np.float64), told[:, 1::2].astype(np.float64)
@@ -78,12 +79,8 @@ def _kinds(rules: PairRules, bodies: IntArray) -> tuple[int, IntArray, NDArray[n
     return len(told), kind_of.reshape(-1), allowed
 
 
-def _sides(pairs: PairSet) -> tuple[frozenset[int], frozenset[int]]:
-    return pairs.one, pairs.other
-
-
 def _overlaps(one: NDArray[np.float64], other: NDArray[np.float64]) -> int:
-    """Return how many pairs of intervals, one of (n, 2) and one of (m, 2), all longer than 0, overlap by more than 0."""
+    """Return how many pairs of intervals longer than 0, one of (n, 2) and one of (m, 2), share more than an instant."""
     too_late = len(other) - np.searchsorted(np.sort(other[:, 0]), one[:, 1], side="left")
     too_early = np.searchsorted(np.sort(other[:, 1]), one[:, 0], side="right")
     return int(len(one) * len(other) - too_late.sum() - too_early.sum())

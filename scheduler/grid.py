@@ -56,9 +56,8 @@ class BoxGrid:
 
     def meet(self, one: IntArray, other: IntArray) -> NDArray[np.bool_]:
         """Tell of pairs of boxes whether they have a point in common; those that have not come do not."""
-        apart = (self.low[one] <= self.high[other]) & (self.low[other] <= self.high[one])
-        meeting: NDArray[np.bool_] = apart.all(axis=1)
-        return meeting
+        overlap = (self.low[one] <= self.high[other]) & (self.low[other] <= self.high[one])
+        return np.asarray(overlap.all(axis=1))
 
     def meeting(self, boxes: IntArray) -> Couples:
         """Return all pairs of a box of `boxes`, each named once, and any other that it meets, each pair once."""

@@ -28,17 +28,14 @@ class Side(NamedTuple):
 
 
 def pairs_that_might_collide(scene: Scene, narrow_phase: NarrowPhase, margin: float) -> Iterator[Pair]:
-    """Yield the allowed pairs of bodies with shapes that exist together and can move relative to each other, by id.
+    """Return the allowed pairs of bodies with shapes that exist together and can move relative to each other, by id.
 
     Args:
         scene: whose rules say which pairs are allowed.
         narrow_phase: of its bodies; gets a ball for each whose path is unknown.
         margin: m, of pairs that no rule gives one of their own.
     """
-    pairing = Pairing(scene, narrow_phase, margin)
-    for a, b in all_pairs(len(scene.bodies)):
-        if (pair := pairing.pair(a, b)) is not None:
-            yield pair
+    return Pairing(scene, narrow_phase, margin).all()
 
 
 class Pairing:
@@ -57,6 +54,12 @@ class Pairing:
         self.sides = Sides(scene, narrow_phase)
         self.narrow_phase = narrow_phase
         self.margin = margin
+
+    def all(self) -> Iterator[Pair]:
+        """Yield every pair that might collide, by id."""
+        for a, b in all_pairs(len(self.scene.bodies)):
+            if (pair := self.pair(a, b)) is not None:
+                yield pair
 
     def pair(self, a: int, b: int) -> Pair | None:
         """Return the pair of the bodies a < b; None where they have no shapes or cannot meet, or may not be checked."""

@@ -25,6 +25,11 @@ class WorldPoses:
         generations = [np.flatnonzero(depths == depth) for depth in range(2, int(depths.max(initial=1)) + 1)]
         self._generations = [(children, parents[children]) for children in generations]
 
+    @property
+    def moving(self) -> int:
+        """How many bodies move in their parent."""
+        return len(self._motions)
+
     def at(self, time: float) -> FloatArray:
         """Return world_from_body of every body at `time` (s), (n, 4, 4)."""
         poses = self._rest.copy()

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import inf, ulp
+from math import inf, isqrt, ulp
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -148,9 +149,21 @@ def least_duration(start: float, end: float) -> float:
     return 64.0 * ulp(max(abs(start), abs(end)))
 
 
-def pair_id(a: int, b: int, bodies: int) -> int:
+Number = TypeVar("Number", int, IntArray)
+
+
+def pair_id(a: Number, b: Number, bodies: int) -> Number:
     """Return the rank of the pair a < b among all pairs of `bodies` bodies, in document order."""
     return a * (2 * bodies - a - 1) // 2 + b - a - 1
+
+
+def bodies_of_pair(rank: int, bodies: int) -> tuple[int, int]:
+    """Return the pair a < b of this rank among all pairs of `bodies` bodies."""
+    twice = 2 * bodies - 1
+    a = (twice - isqrt(twice * twice - 8 * rank)) // 2
+    if pair_id(a, a + 1, bodies) > rank:  # the root was rounded down
+        a -= 1
+    return a, rank - pair_id(a, a + 1, bodies) + a + 1
 
 
 def all_pairs(bodies: int) -> Iterator[tuple[int, int]]:

@@ -6,6 +6,7 @@ from collections.abc import Generator, Iterable, Iterator, Sequence
 from heapq import merge
 from itertools import groupby
 from math import floor, inf, sqrt
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,14 @@ from .vector import ZERO
 
 # Relative: what the sums of travels may lose to rounding.
 _ROUNDING = 1e-9
+
+
+class Observes(Protocol):
+    """What takes snapshots."""
+
+    def at(self, time: float, touching: frozenset[int], occasion: Collision | None = None) -> Snapshot:
+        """Return the snapshot at `time` (s), while the pairs with ids in `touching` are in contact."""
+        ...
 
 
 class Observer:
@@ -67,26 +76,29 @@ class Observer:
                 break
             if len(found) >= self._most_pairs and bounds[index] > found[-1].distance:
                 break
-            near = self._measured(self._pairs[index], time, poses, touching)
+            near = measured(self._pairs[index], time, poses, touching, self._narrow_phase)
             self._allowance[index] = near.distance + travelled[index]
             found.append(near)
             found.sort(key=lambda near: (near.distance, near.pair.id))
             del found[self._most_pairs :]
         return found
 
-    def _measured(self, pair: Pair, time: float, poses: FloatArray, touching: frozenset[int]) -> Nearness:
-        """Measure a pair exactly; one known to be in contact reads 0 even where its surfaces are apart."""
-        if pair.possible:
-            told = pair.distance(pair.look_inside(pair.measure_exactly(time)))
-            assert told is not None
-            verdict = Verdict.POSSIBLE if told.distance <= pair.margin else Verdict.CLEAR
-            return Nearness(pair.key, told.distance, verdict, told.witness_a, told.witness_b)
-        a, b = pair.key.a, pair.key.b
-        found = self._narrow_phase.nearest(a, b, poses[a], poses[b])
-        if pair.key.id in touching or found.distance <= pair.error:
-            return Nearness(pair.key, 0.0, Verdict.CONTACT, found.witness_a, found.witness_b)
-        verdict = Verdict.BREACH if found.distance < pair.margin else Verdict.CLEAR
-        return Nearness(pair.key, found.distance, verdict, found.witness_a, found.witness_b)
+
+def measured(
+    pair: Pair, time: float, poses: FloatArray, touching: frozenset[int], narrow_phase: NarrowPhase
+) -> Nearness:
+    """Measure a pair exactly; one known to be in contact reads 0 even where its surfaces are apart."""
+    if pair.possible:
+        told = pair.distance(pair.look_inside(pair.measure_exactly(time)))
+        assert told is not None
+        verdict = Verdict.POSSIBLE if told.distance <= pair.margin else Verdict.CLEAR
+        return Nearness(pair.key, told.distance, verdict, told.witness_a, told.witness_b)
+    a, b = pair.key.a, pair.key.b
+    found = narrow_phase.nearest(a, b, poses[a], poses[b])
+    if pair.key.id in touching or found.distance <= pair.error:
+        return Nearness(pair.key, 0.0, Verdict.CONTACT, found.witness_a, found.witness_b)
+    verdict = Verdict.BREACH if found.distance < pair.margin else Verdict.CLEAR
+    return Nearness(pair.key, found.distance, verdict, found.witness_a, found.witness_b)
 
 
 class Travel:
@@ -128,7 +140,7 @@ class Travel:
 
 
 def observed(
-    events: Iterable[Event], observer: Observer, scene: Scene, rate: float, time_resolution: float
+    events: Iterable[Event], observer: Observes, scene: Scene, rate: float, time_resolution: float
 ) -> Generator[Event, None, None]:
     """Yield the events with snapshots between them: at start, every 1/rate s, at the end, and at each collision.
 
@@ -173,17 +185,22 @@ def tick_times(start: float, end: float, rate: float) -> Iterator[float]:
 
 def existing(scene: Scene, time: float) -> NDArray[np.bool_]:
     """Tell of each body whether it exists at `time` (s): up to its end, which only the scene's end belongs to."""
-    from_, to = _lifetimes(scene)
-    there: NDArray[np.bool_] = (from_ <= time) & ((time < to) | (to >= scene.end))
+    return alive(lifetimes(scene), scene.end, time)
+
+
+def alive(lifetimes: FloatArray, end: float, time: float) -> NDArray[np.bool_]:
+    """Tell the same of the bodies' `lifetimes` in a scene that ends at `end` (s)."""
+    from_, to = lifetimes
+    there: NDArray[np.bool_] = (from_ <= time) & ((time < to) | (to >= end))
     return there
 
 
 def changes_of_existence(scene: Scene) -> list[float]:
     """Return the times (s) inside the scene's at which a body appears or vanishes, in order."""
-    return [time for time in np.unique(_lifetimes(scene)).tolist() if scene.start < time < scene.end]
+    return [time for time in np.unique(lifetimes(scene)).tolist() if scene.start < time < scene.end]
 
 
-def _lifetimes(scene: Scene) -> FloatArray:
+def lifetimes(scene: Scene) -> FloatArray:
     """Return when each body appears and vanishes, (2, n) s."""
-    lifetimes: FloatArray = np.array([body.exists for body in scene.bodies]).reshape(-1, 2).T
-    return lifetimes
+    times: FloatArray = np.array([body.exists for body in scene.bodies]).reshape(-1, 2).T
+    return times

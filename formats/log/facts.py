@@ -18,6 +18,7 @@ from ...scheduler.events import (
     Span,
     Verdict,
     Wakeup,
+    Window,
 )
 from ..scene.loaded import KeyNames
 from . import messages_pb2 as pb
@@ -93,6 +94,14 @@ class FactFiller:
         message.end = event.end
         message.clearance = event.clearance
         message.depth_limit = event.depth_limit
+
+    def fill_window(self, message: pb.Window, event: Window) -> None:
+        """Say what box a body does not leave over an interval."""
+        message.body = self._names[event.body]
+        message.start = event.start
+        message.end = event.end
+        _fill_point(message.box_min, event.low)
+        _fill_point(message.box_max, event.high)
 
     def _fill_pair(self, message: pb.Wakeup | pb.Distance | pb.Collision | pb.Span, pair: PairKey) -> None:
         body_a, body_b = self._names[pair.a], self._names[pair.b]

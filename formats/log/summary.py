@@ -12,8 +12,20 @@ from typing import TypedDict
 
 from closecall import __version__
 
-from ...scheduler.events import Collision, Distance, Event, Level, PairKey, Phase, Snapshot, Span, Verdict, Wakeup
-from ...scheduler.pairing import ignored_pairs
+from ...scheduler.counting import count_pairs
+from ...scheduler.events import (
+    Collision,
+    Distance,
+    Event,
+    Level,
+    PairKey,
+    Phase,
+    Snapshot,
+    Span,
+    Verdict,
+    Wakeup,
+    Window,
+)
 from ...scheduler.scene import Scene, Settings
 
 # From worst to best; a pair's verdict is the worst of its spans'.
@@ -167,6 +179,7 @@ class SummaryBuilder:
         self._time = (scene.start, scene.end)
         self._settings = settings
         self._pairs_total = pairs_total
+        self._pairs_ignored = count_pairs(scene).ignored
         self._findings: dict[int, _PairFindings] = {}
         self._brackets: defaultdict[int, _Brackets] = defaultdict(_Brackets)
         self._breaches: defaultdict[int, list[tuple[float, float]]] = defaultdict(list)
@@ -174,8 +187,8 @@ class SummaryBuilder:
         self._possible: defaultdict[int, list[tuple[float, float]]] = defaultdict(list)
 
     def add(self, event: Event) -> None:
-        """Fold one more event, in any order; snapshots, which prove nothing, are passed over."""
-        if isinstance(event, Snapshot):
+        """Fold one more event, in any order; windows, and snapshots, which prove nothing, are passed over."""
+        if isinstance(event, Window | Snapshot):
             return
         pair = event.pair
         findings = self._findings.get(pair.id)
@@ -206,7 +219,7 @@ class SummaryBuilder:
             "time": list(self._time),
             "settings": asdict(self._settings),
             "pairs_total": self._pairs_total,
-            "pairs_ignored": len(ignored_pairs(self._scene)),
+            "pairs_ignored": self._pairs_ignored,
             "pairs": pairs,
             "totals": self._totals(pairs),
         }

@@ -15,7 +15,7 @@ from foxglove_schemas_protobuf.Log_pb2 import Log
 
 from closecall import __version__
 
-from ...scheduler.events import Collision, Distance, Event, Phase, Snapshot, Span, Verdict, Wakeup
+from ...scheduler.events import Collision, Distance, Event, Phase, Snapshot, Span, Verdict, Wakeup, Window
 from ...scheduler.scene import Settings
 from ..scene.loaded import LoadedScene
 from . import messages_pb2 as pb
@@ -105,12 +105,14 @@ class LogWriter:
         self._filler = FactFiller(tuple(body.name for body in loaded.scene.bodies), loaded.key_names)
         self._summary = SummaryBuilder(loaded.scene, settings, pairs_total, self._filler.keys_around)
         wakeup, distance, collision, span, log = pb.Wakeup(), pb.Distance(), pb.Collision(), pb.Span(), Log()
+        window = pb.Window()
         log.name = "closecall"
         self._wakeups = Topic("/wakeups", wakeup, wakeup.timestamp)
         self._distances = Topic("/distances", distance, distance.timestamp)
         self._distances_by_body: dict[int, Topic[pb.Distance]] = {}
         self._collisions = Topic("/collisions", collision, collision.timestamp)
         self._spans = Topic("/spans", span, span.timestamp)
+        self._windows = Topic("/windows", window, window.timestamp)
         self._log = Topic("/log", log, log.timestamp)
         self._viewer = None if options.viewer is None else Viewer(loaded.scene, options.viewer)
 
@@ -166,6 +168,9 @@ class LogWriter:
                     between = f"from {event.start!r} s to {event.end!r} s"
                     pair = self._filler.pair_name(event.pair)
                     self._tell(Log.WARNING, f"{pair}: nearer than its margin {between}", event.time)
+            case Window():
+                self._filler.fill_window(self._windows.message, event)
+                self._add(self._windows, event.time)
             case Snapshot():
                 if self._viewer is not None:
                     log_time = self._log_time(event.time)
@@ -292,6 +297,7 @@ class LogWriter:
     def _counts(self) -> dict[str, str]:
         """Return how many messages each topic has; distances by body are counted together."""
         channels: list[Channel] = [self._wakeups, self._distances, self._collisions, self._spans, self._log]
+        channels += [self._windows] * bool(self._windows.written)
         if self._viewer is not None:
             channels += self._viewer.channels
         counts = {channel.name: channel.written for channel in channels}

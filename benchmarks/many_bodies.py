@@ -1,0 +1,131 @@
+"""How a run grows with the number of bodies: rocks of 320 triangles (4 models), 10 m apart on average, for 5 s.
+
+`python -m benchmarks.many_bodies 100 1000 10000` writes each scene, runs the installed command on it with `--rate 0`,
+and prints what the child took, what it found, and the exponents of growth between the first scene and the last.
+Further arguments are passed to the command: `python -m benchmarks.many_bodies 1000 --broad-phase off`.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from dataclasses import dataclass
+from itertools import pairwise
+from math import log
+from pathlib import Path
+from subprocess import PIPE, Popen
+from tempfile import TemporaryDirectory
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+import trimesh
+from mcap.reader import make_reader
+
+SECONDS = 5.0
+APART = 10.0  # m
+MODELS = 4
+
+
+def motion(rng: np.random.Generator) -> dict[str, Any]:
+    """Return one of five laws, at about 1 m/s."""
+    velocity, other, turning = (vector.round(6).tolist() for vector in rng.normal(0.0, 0.6, (3, 3)))
+    kind = int(rng.integers(5))
+    if kind == 0:
+        return {"type": "constant", "velocity": velocity, "angular_velocity": turning}
+    if kind == 1:
+        return {"type": "ballistic", "velocity": velocity, "acceleration": (0.2 * np.array(other)).tolist()}
+    if kind == 2:
+        return {"type": "harmonic", "direction": velocity, "amplitude": 1.0, "period": round(rng.uniform(4, 8), 6)}
+    if kind == 3:
+        return {"type": "orbit", "axis": [0, 0, 1], "start": [1, 0, 0], "radius": 2.0, "rate": round(rng.normal(), 6)}
+    places = np.cumsum(rng.normal(0.0, 0.6, (6, 3)), axis=0).round(6).tolist()
+    return {"type": "keyframes", "keys": [{"t": float(t), "xyz": place} for t, place in enumerate(places)]}
+
+
+def write_scene(bodies: int, folder: Path) -> Path:
+    """Write a scene of so many rocks, the same each time, in a cube of constant density; return its file."""
+    rng = np.random.default_rng(0)
+    for model in range(MODELS):
+        ball = trimesh.creation.icosphere(subdivisions=2)
+        ball.vertices *= rng.uniform(0.7, 1.0, (len(ball.vertices), 1))
+        ball.export(folder / f"rock_{model}.stl")
+    half = 0.5 * APART * bodies ** (1.0 / 3.0)
+    rocks = {}
+    for index in range(bodies):
+        place = rng.uniform(-half, half, 3).round(6).tolist()
+        shapes = [{"mesh": f"rock_{index % MODELS}"}]
+        rocks[f"rock_{index}"] = {"pose": {"xyz": place}, "shapes": shapes, "motion": motion(rng)}
+    scene = {
+        "closecall": 1,
+        "units": {"length": "m", "angle": "rad"},
+        "time": {"start": 0, "end": SECONDS},
+        "meshes": {f"rock_{model}": {"file": f"rock_{model}.stl", "units": "m"} for model in range(MODELS)},
+        "bodies": rocks,
+    }
+    path = folder / "scene.json"
+    path.write_text(json.dumps(scene, separators=(",", ":")))
+    return path
+
+
+@dataclass(frozen=True, slots=True)
+class Cost:
+    """What a run took: CPU and wall-clock seconds, peak memory in MB; and what it did and found."""
+
+    bodies: int
+    cpu: float
+    wall: float
+    memory: float
+    counts: dict[str, int]
+    verdicts: dict[str, int]
+    seconds: dict[str, float]
+
+
+def run(bodies: int, options: list[str]) -> Cost:
+    """Run a scene in a child of its own."""
+    with TemporaryDirectory() as name:
+        folder = Path(name)
+        scene, out = write_scene(bodies, folder), folder / "out.mcap"
+        command = [sys.executable, "-m", "closecall", "run", str(scene), "-o", str(out), "--rate", "0", "--json"]
+        command += ["--max-bytes", str(2**30), *options]
+        began = perf_counter()
+        child = Popen(command, stdout=PIPE)
+        assert child.stdout is not None
+        told = json.loads(child.stdout.read())
+        _, status, usage = os.wait4(child.pid, 0)
+        wall = perf_counter() - began
+        assert status == 0
+        with out.open("rb") as log_file:
+            metadata = {record.name: record.metadata for record in make_reader(log_file).iter_metadata()}
+    counts = {topic: int(metadata["closecall"].get(f"count/{topic}", 0)) for topic in ("wakeups", "windows", "spans")}
+    counts["examined"] = len(told["pairs"])
+    cpu = usage.ru_utime + usage.ru_stime
+    return Cost(bodies, cpu, wall, usage.ru_maxrss / 1e3, counts, told["totals"]["pairs"], told["seconds"])
+
+
+def exponent(first: Cost, last: Cost, name: str) -> float:
+    """Return the power of the number of bodies that a cost grows with."""
+    return float(log(getattr(last, name) / getattr(first, name)) / log(last.bodies / first.bodies))
+
+
+def main() -> None:
+    """Print a row a scene."""
+    sizes = [int(word) for word in sys.argv[1:] if word.isdecimal()] or [100, 1000, 10000]
+    options = [word for word in sys.argv[1:] if not word.isdecimal()]
+    costs = []
+    for size in sizes:
+        cost = run(size, options)
+        costs.append(cost)
+        done = ", ".join(f"{count} {name}" for name, count in cost.counts.items())
+        found = ", ".join(f"{count} {verdict}" for verdict, count in cost.verdicts.items() if count)
+        parts = ", ".join(f"{part} {seconds:.1f}" for part, seconds in cost.seconds.items())
+        print(f"{size} bodies: {cost.cpu:.2f} s CPU, {cost.wall:.2f} s wall ({parts}), {cost.memory:.0f} MB")
+        print(f"    {done}; {found}", flush=True)
+    for first, last in pairwise(costs):
+        grown = ", ".join(f"{name} n^{exponent(first, last, name):.2f}" for name in ("cpu", "memory"))
+        print(f"{first.bodies} to {last.bodies}: {grown}")
+
+
+if __name__ == "__main__":
+    main()
