@@ -18,7 +18,7 @@ from .vector import Vector
 
 #: A window lasts while the body's middle gets this share of its radius away: shorter ones cost more than the pairs that
 #: they clear, longer ones clear fewer (`python -m benchmarks.many_bodies 10000`).
-WORTH = 0.5
+WORTH = 0.3
 #: The shortest windows are the run's time over two to this power.
 FINEST_LEVEL = 12
 #: A body is slender, and also boxed as it is turned, where the shortest side of its box is below this share of its
@@ -83,7 +83,7 @@ class SweptBody:
     def sweep(self, start: float) -> Sweep:
         """Return the body's window from `start` (s) on, within its existence and up to its next jump."""
         moment = self._centre.at(start)
-        end, moved = self._window(moment)
+        end, moved = self._window(moment, start)
         renewed = inf
         if end < self.end:
             after = nextafter(end, inf)
@@ -96,12 +96,11 @@ class SweptBody:
         away = self._chain.displacement(whole, end - start) + RELATIVE_ROUNDING * self._radius
         return Sweep(start, end, renewed, moment.centre, reach, turned, away * (1.0 + RELATIVE_ROUNDING) + self.error)
 
-    def _window(self, moment: Moment) -> tuple[float, float]:
-        """Return until when (s) to keep a box made at a moment, and how far (m) its middle gets, and its ball grows.
+    def _window(self, moment: Moment, start: float) -> tuple[float, float]:
+        """Return until when (s) to keep a box made at `start`, the moment, and how far (m) its middle gets until then.
 
         Windows end on rungs of a ladder, halves of halves of the run's time, so that many bodies' end together.
         """
-        start = moment.time
         jump = self._centre.stop_after(start)
         if jump == nextafter(start, inf):
             return start, 0.0

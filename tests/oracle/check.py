@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 
 from .check_events import check_collisions, check_distances, check_wakeups
-from .check_frames import check_transforms, check_windows
+from .check_frames import check_transforms
 from .check_minimum import Tally, check_least
 from .check_spans import check_certificate, check_contacts, check_depths, check_tiling
+from .check_windows import check_windows
 from .check_world import check_summary, check_world, stated_chords, summary_of
 from .logs import Log, read_log
 from .sampling import Effort, Samples, sample

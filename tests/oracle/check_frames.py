@@ -1,4 +1,4 @@
-"""Checks of what viewers and the broad phase are told: transforms, swept boxes."""
+"""Checks of what viewers are told: transforms."""
 
 from __future__ import annotations
 
@@ -45,21 +45,3 @@ def check_transform(truth: Truth, transform: Values, time: float) -> Iterable[st
     off = moved + np.linalg.norm(turned) * truth.surfaces[name].extent
     if not off <= truth.tolerance + blur:
         yield f"/tf at {time} s: {name} is {off:.3g} m off"
-
-
-def check_windows(truth: Truth, log: Log, effort: Effort) -> Iterable[str]:
-    """A body's corners, rounded, stay in its swept box throughout the window."""
-    rng = np.random.default_rng(effort.seed)
-    messages = log.of("windows")
-    for message in (messages[i] for i in rng.permutation(len(messages))[: effort.messages]):
-        name = message["body"]
-        surface = truth.surfaces[name]
-        times = np.linspace(message["start"], message["end"], 25)
-        poses = truth.kinematics.world_from_body(name, times)
-        corners = surface.triangles.reshape(-1, 3) @ np.swapaxes(poses[:, :3, :3], 1, 2) + poses[:, None, :3, 3]
-        rounding = np.repeat(surface.radii, 3)[:, None]
-        low = np.array(point(message["box_min"])) - (corners - rounding)
-        high = (corners + rounding) - np.array(point(message["box_max"]))
-        outside = float(np.maximum(low, high).max(initial=-np.inf))
-        if outside > truth.tolerance:
-            yield f"/windows: {name} leaves its box [{message['start']}, {message['end']}] by {outside:.3g} m"
