@@ -1,12 +1,14 @@
-"""How a run grows with the number of bodies: rocks of 320 triangles (4 models), 10 m apart on average, for 5 s.
+"""How a run grows with the number of bodies: rocks 2 m wide of 320 triangles (4 models), at one density, for 5 s.
 
 `python -m benchmarks.many_bodies 100 1000 10000` writes each scene, runs the installed command on it with `--rate 0`,
 and prints what the child took, what it found, and the exponents of growth between the first scene and the last.
-Further arguments are passed to the command: `python -m benchmarks.many_bodies 1000 --broad-phase off`.
+`--apart M` says how much room a rock has: a cube of so many metres, 10 if not given. What else is given goes to the
+command: `python -m benchmarks.many_bodies 1000 --broad-phase off`.
 """
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 import sys
@@ -24,7 +26,6 @@ import trimesh
 from mcap.reader import make_reader
 
 SECONDS = 5.0
-APART = 10.0  # m
 MODELS = 4
 
 
@@ -44,14 +45,14 @@ def motion(rng: np.random.Generator) -> dict[str, Any]:
     return {"type": "keyframes", "keys": [{"t": float(t), "xyz": place} for t, place in enumerate(places)]}
 
 
-def write_scene(bodies: int, folder: Path) -> Path:
+def write_scene(bodies: int, folder: Path, apart: float) -> Path:
     """Write a scene of so many rocks, the same each time, in a cube of constant density; return its file."""
     rng = np.random.default_rng(0)
     for model in range(MODELS):
         ball = trimesh.creation.icosphere(subdivisions=2)
         ball.vertices *= rng.uniform(0.7, 1.0, (len(ball.vertices), 1))
         ball.export(folder / f"rock_{model}.stl")
-    half = 0.5 * APART * bodies ** (1.0 / 3.0)
+    half = 0.5 * apart * bodies ** (1.0 / 3.0)
     rocks = {}
     for index in range(bodies):
         place = rng.uniform(-half, half, 3).round(6).tolist()
@@ -82,11 +83,11 @@ class Cost:
     seconds: dict[str, float]
 
 
-def run(bodies: int, options: list[str]) -> Cost:
+def run(bodies: int, apart: float, options: list[str]) -> Cost:
     """Run a scene in a child of its own."""
     with TemporaryDirectory() as name:
         folder = Path(name)
-        scene, out = write_scene(bodies, folder), folder / "out.mcap"
+        scene, out = write_scene(bodies, folder, apart), folder / "out.mcap"
         command = [sys.executable, "-m", "closecall", "run", str(scene), "-o", str(out), "--rate", "0", "--json"]
         command += ["--max-bytes", str(2**30), *options]
         began = perf_counter()
@@ -111,11 +112,13 @@ def exponent(first: Cost, last: Cost, name: str) -> float:
 
 def main() -> None:
     """Print a row a scene."""
-    sizes = [int(word) for word in sys.argv[1:] if word.isdecimal()] or [100, 1000, 10000]
-    options = [word for word in sys.argv[1:] if not word.isdecimal()]
+    parser = argparse.ArgumentParser()
+    parser.add_argument("bodies", type=int, nargs="*", default=[100, 1000, 10000])
+    parser.add_argument("--apart", type=float, default=10.0)
+    given, options = parser.parse_known_args()
     costs = []
-    for size in sizes:
-        cost = run(size, options)
+    for size in given.bodies:
+        cost = run(size, given.apart, options)
         costs.append(cost)
         done = ", ".join(f"{count} {name}" for name, count in cost.counts.items())
         found = ", ".join(f"{count} {verdict}" for verdict, count in cost.verdicts.items() if count)

@@ -75,7 +75,7 @@ class CrowdObserver:
         while True:
             for pair, gap in self._gaps(solid, centres, radii):
                 found = search.nearest(self._most_pairs)
-                if len(found) == self._most_pairs and (gap > found[-1].distance or found[-1].distance == 0.0):
+                if len(met) >= self._most_pairs or (len(found) == self._most_pairs and gap > found[-1].distance):
                     break
                 self._measured(pair, search)
             found = search.nearest(self._most_pairs)

@@ -23,14 +23,14 @@ DEEP_SCENES = int(os.environ.get("CLOSECALL_DEEP_FAMILY_SCENES", "50"))
 DEEP_FIRST = int(os.environ.get("CLOSECALL_DEEP_FAMILY_FIRST", "0"))
 
 
-def faults_of(family: str, numbers: Iterable[int], folder: Path, effort: dict[str, int]) -> list[str]:
+def faults_of(family: str, numbers: Iterable[int], folder: Path, effort: dict[str, int], *options: str) -> list[str]:
     """Return what is wrong with the logs of a family's scenes, each line with the scene."""
     failed: list[str] = []
     for number in numbers:
         place = folder / str(number)
         place.mkdir()
         scene = write_family(family, number, place)
-        faults = check_log(scene, logged(scene, "--log", "certificate"), effort=Effort(seed=number, **effort))
+        faults = check_log(scene, logged(scene, "--log", "certificate", *options), effort=Effort(seed=number, **effort))
         failed += [f"{family}:{number}: {fault}" for fault in faults]
         print(*failed, sep="\n", end="", flush=True)
     return failed
@@ -39,6 +39,12 @@ def faults_of(family: str, numbers: Iterable[int], folder: Path, effort: dict[st
 @pytest.mark.parametrize("family", FAMILIES)
 def test_the_log_of_an_adversarial_scene_is_true(family: str, tmp_path: Path) -> None:
     faults = faults_of(family, range(2), tmp_path, QUICK)
+    assert not faults, "\n".join(faults)
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_the_log_of_an_adversarial_scene_whose_pairs_come_and_go_is_true(family: str, tmp_path: Path) -> None:
+    faults = faults_of(family, range(2, 3), tmp_path, QUICK, "--broad-phase", "on")
     assert not faults, "\n".join(faults)
 
 

@@ -11,6 +11,7 @@ import sys
 from collections.abc import Callable
 from copy import deepcopy
 from pathlib import Path
+from typing import Any
 from unittest.mock import patch
 
 import pytest
@@ -48,16 +49,16 @@ def logged(scene: Path, *options: str) -> Path:
     return log
 
 
-def run(seed: int, folder: Path) -> tuple[Path, Path]:
+def run(seed: int, folder: Path, *options: str) -> tuple[Path, Path]:
     """Write the scene of a seed, run the tool on it, and return the scene file and the log; odd ones are short."""
     folder.mkdir()
     scene = write_scene(seed, folder)
-    return scene, logged(scene, *(["--log", "certificate"] if seed % 2 else []))
+    return scene, logged(scene, *(["--log", "certificate"] if seed % 2 else []), *options)
 
 
-def faults_of(seed: int, folder: Path, effort: Effort) -> list[str]:
+def faults_of(seed: int, folder: Path, effort: Effort, *options: str) -> list[str]:
     """Return what is wrong with the log of a seed, each line with the seed."""
-    return [f"seed {seed}: {fault}" for fault in check_log(*run(seed, folder), effort=effort)]
+    return [f"seed {seed}: {fault}" for fault in check_log(*run(seed, folder, *options), effort=effort)]
 
 
 @pytest.mark.parametrize("first", range(0, 60, SCENES_PER_TEST))
@@ -68,11 +69,20 @@ def test_the_log_of_a_random_scene_is_true(first: int, tmp_path: Path) -> None:
     assert not faults, "\n".join(faults)
 
 
+@pytest.mark.parametrize("first", range(60, 80, SCENES_PER_TEST))
+def test_the_log_of_a_random_scene_whose_pairs_come_and_go_is_true(first: int, tmp_path: Path) -> None:
+    on = ("--broad-phase", "on")
+    seeds = range(first, first + SCENES_PER_TEST)
+    faults = [f for seed in seeds for f in faults_of(seed, tmp_path / str(seed), Effort(seed=seed, **QUICK), *on)]
+    assert not faults, "\n".join(faults)
+
+
 @pytest.mark.deep
 def test_the_logs_of_many_random_scenes_are_true(tmp_path: Path) -> None:
     failed: list[str] = []
     for seed in range(DEEP_FIRST, DEEP_FIRST + DEEP_SCENES):
-        faults = faults_of(seed, tmp_path / str(seed), Effort(seed=seed, **DEEP))
+        on = ("--broad-phase", "on") if seed % 3 == 0 else ()
+        faults = faults_of(seed, tmp_path / str(seed), Effort(seed=seed, **DEEP), *on)
         print(*faults, sep="\n", end="", flush=True)
         failed += faults[:3]
     assert not failed, "\n".join(failed)
@@ -90,6 +100,24 @@ def eventful(tmp_path_factory: pytest.TempPathFactory) -> tuple[Truth, Log]:
         if ended & began:
             return Truth(scene), log
     raise AssertionError("no random scene has a contact that begins and ends")
+
+
+@pytest.fixture(scope="module")
+def unlisted(tmp_path_factory: pytest.TempPathFactory) -> tuple[Truth, Log]:
+    """The first random scene whose log has a pair that windows alone cleared, and several windows of a body."""
+    folder = tmp_path_factory.mktemp("unlisted")
+    for seed in range(100):
+        scene, path = run(seed, folder / str(seed), "--broad-phase", "on")
+        truth, log = Truth(scene), read_log(path)
+        listed = set(log.by_pair("spans"))
+        alone = [pair for pair in truth.pairs() if "|".join(pair) not in listed]
+        if alone and len(windows_of(log, alone[0][0])) > 2:
+            return truth, log
+    raise AssertionError("no random scene has a pair that windows alone clear")
+
+
+def windows_of(log: Log, body: str) -> list[dict[str, Any]]:
+    return [window for window in log.of("windows") if window["body"] == body]
 
 
 def clear_the_contact(log: Log) -> None:
@@ -137,6 +165,37 @@ def test_a_spoiled_log_is_objected_to(eventful: tuple[Truth, Log], spoil: Callab
     spoil(log)
     faults = check(truth, log)
     assert any(said in fault for fault in faults), "\n".join(faults)
+
+
+def lose_a_window(log: Log) -> None:
+    log.topics["windows"].remove(next(one for one in log.of("windows") if len(windows_of(log, one["body"])) > 2))
+
+
+def widen_the_windows(log: Log) -> None:
+    for window in log.of("windows"):
+        window["box_min"] = dict.fromkeys("xyz", -1e6)
+
+
+def shrink_the_windows(log: Log) -> None:
+    for window in log.of("windows"):
+        window["box_max"] = window["box_min"]
+
+
+SPOILED_WINDOWS: list[tuple[Callable[[Log], None], str]] = [
+    (lose_a_window, "has"),
+    (widen_the_windows, "no spans, and boxes"),
+    (shrink_the_windows, "leaves its box"),
+]
+
+
+@pytest.mark.parametrize(("spoil", "said"), SPOILED_WINDOWS, ids=lambda value: getattr(value, "__name__", ""))
+def test_a_log_of_spoiled_windows_is_objected_to(
+    unlisted: tuple[Truth, Log], spoil: Callable[[Log], None], said: str
+) -> None:
+    truth, log = unlisted[0], deepcopy(unlisted[1])
+    spoil(log)
+    faults = [fault for fault in check(truth, log) if said in fault]
+    assert faults
 
 
 def test_little_of_the_time_stays_unresolved(tmp_path: Path) -> None:

@@ -1,0 +1,248 @@
+"""Swept boxes against brute force, and a crowd against all of its pairs: what windows clear must be clear."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from math import inf, nextafter
+
+import numpy as np
+import pytest
+from small_scenes import box, round_shape
+
+from closecall.scheduler.broad_phase import BroadPhase
+from closecall.scheduler.counting import count_pairs
+from closecall.scheduler.crowd import Crowd
+from closecall.scheduler.events import Collision, Event, Nearness, Reason, Span, Verdict, Wakeup, Window
+from closecall.scheduler.extent import body_extent
+from closecall.scheduler.grid import BoxGrid
+from closecall.scheduler.motions import (
+    Ballistic,
+    Constant,
+    Fixed,
+    Harmonic,
+    Keyframes,
+    Limits,
+    Motion,
+    Swing,
+    Translation,
+)
+from closecall.scheduler.narrow_phase import NarrowPhase
+from closecall.scheduler.nearest import CrowdObserver
+from closecall.scheduler.pairing import Pairing, ignored_pairs
+from closecall.scheduler.poses import WorldPoses
+from closecall.scheduler.run import run
+from closecall.scheduler.scene import (
+    ALWAYS,
+    Body,
+    PairRules,
+    PairSet,
+    Scene,
+    Settings,
+    all_pairs,
+    bodies_of_pair,
+    pair_id,
+)
+from closecall.scheduler.snapshot import Observer, existing
+
+END = 3.0
+SETTINGS = Settings(margin=0.02)
+SEEDS = range(4)
+
+
+def at(place) -> np.ndarray:
+    pose = np.eye(4)
+    pose[:3, 3] = place
+    return pose
+
+
+def random_motion(rng) -> Motion:
+    velocity, turning = (tuple(vector) for vector in rng.normal(0.0, 1.0, (2, 3)).tolist())
+    kind = rng.integers(7)
+    if kind == 0:
+        return Fixed()
+    if kind == 1:
+        return Constant(velocity, turning)
+    if kind == 2:
+        return Ballistic(velocity, (0.0, 0.0, -1.0), turning)
+    if kind == 3:
+        return Harmonic((1.0, 0.0, 0.0), 1.5, 2.0, 0.0)
+    if kind == 4:
+        return Swing((0.0, 0.0, 1.0), (0.5, 0.0, 0.0), 2.0, 1.5, 0.0)
+    if kind == 5:
+        return Limits(0.5, 0.1, 0.2, inf)
+    times = np.array([0.0, 0.7, 1.9, END])
+    return steps(times, rng.normal(0.0, 2.0, (4, 3)))
+
+
+def steps(times: np.ndarray, places: np.ndarray) -> Keyframes:
+    """Return jumps from place to place."""
+    return Keyframes(times, places, np.tile((1.0, 0.0, 0.0, 0.0), (len(times), 1)), Translation.STEP, False)
+
+
+def random_scene(seed: int, bodies: int = 30) -> Scene:
+    rng = np.random.default_rng(seed)
+    made = []
+    for index in range(bodies):
+        parent = int(rng.integers(index)) if index and rng.random() < 0.2 else None
+        place = at(rng.uniform(-5.0, 5.0, 3) if parent is None else rng.uniform(-2.0, 2.0, 3))
+        shape = round_shape(rng.uniform(0.2, 0.6)) if rng.random() < 0.4 else box(*rng.uniform(0.1, 1.5, 3))
+        exists = tuple(sorted(rng.uniform(-1.0, 1.3 * END, 2).tolist())) if rng.random() < 0.3 else ALWAYS
+        shapes = () if rng.random() < 0.05 else (shape,)
+        made.append(Body(f"b{index}", parent, place, random_motion(rng), shapes, exists))
+    some, others = (frozenset(rng.choice(bodies, 8, replace=False).tolist()) for _ in range(2))
+    rules = PairRules(
+        ignored=(PairSet(some, others),),
+        checked=(PairSet(frozenset({1, 2, 3}), some),),
+        default=bool(rng.random() < 0.8),
+        margins=((PairSet(some, frozenset(range(bodies))), 0.3),),
+    )
+    return Scene(tuple(made), 0.0, END, rules)
+
+
+def crowd_events(scene: Scene) -> list[Event]:
+    pairing = Pairing(scene, NarrowPhase(scene.bodies), SETTINGS.margin)
+    return list(run((), SETTINGS, Crowd(pairing, SETTINGS)))
+
+
+def all_events(scene: Scene) -> list[Event]:
+    return list(run(Pairing(scene, NarrowPhase(scene.bodies), SETTINGS.margin).all(), SETTINGS))
+
+
+def test_a_grid_finds_what_brute_force_finds_while_boxes_come_and_change() -> None:
+    rng = np.random.default_rng(1)
+    grid, count = BoxGrid(300), 300
+    low, high = np.full((count, 3), np.nan), np.full((count, 3), np.nan)
+    for _ in range(60):
+        boxes = np.sort(rng.choice(count, int(rng.choice([1, 5, 100])), replace=False))
+        sides = rng.choice([1e-3, 0.3, 1.0, 1.0, 5.0, 1e3, 1e9], len(boxes))[:, None] * rng.uniform(0.1, 1, (1, 3))
+        places = rng.uniform(-10.0, 10.0, (len(boxes), 3)) * rng.choice([1.0, 1.0, 1e8])
+        low[boxes], high[boxes] = places, places + sides
+        grid.put(boxes, low[boxes], high[boxes])
+        one, other = grid.meeting(boxes)
+        found = sorted(map(tuple, np.sort(np.column_stack((one, other)), axis=1).tolist()))
+        meets = ((low[:, None] <= high[None]) & (low[None] <= high[:, None])).all(axis=2)
+        asked = set(boxes.tolist())
+        true = [(a, b) for a, b in np.argwhere(meets).tolist() if a < b and (a in asked or b in asked)]
+        assert found == true
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_pairs_are_counted_as_if_they_were_named(seed: int) -> None:
+    scene = random_scene(seed)
+    pairs = list(Pairing(scene, NarrowPhase(scene.bodies), 0.0).all())
+    assert count_pairs(scene) == (len(pairs), len(ignored_pairs(scene)))
+
+
+def test_a_pair_is_found_by_its_rank() -> None:
+    for bodies in (2, 3, 7, 200):
+        assert [bodies_of_pair(pair_id(a, b, bodies), bodies) for a, b in all_pairs(bodies)] == list(all_pairs(bodies))
+    assert bodies_of_pair(pair_id(99_998, 99_999, 100_000), 100_000) == (99_998, 99_999)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_crowd_has_the_contacts_and_spans_of_all_its_pairs(seed: int) -> None:
+    scene = random_scene(seed)
+    few, every = crowd_events(scene), all_events(scene)
+
+    def contacts(events):
+        return sorted((e.pair.id, e.phase.value, e.time) for e in events if isinstance(e, Collision))
+
+    assert [told[:2] for told in contacts(few)] == [told[:2] for told in contacts(every)]
+    for (*_, one), (*_, other) in zip(contacts(few), contacts(every), strict=True):
+        assert one == pytest.approx(other, abs=2.0 * SETTINGS.contact_tolerance)
+    examined = {event.pair.id for event in few if isinstance(event, Wakeup)}
+    worse = {event.pair.id for event in every if isinstance(event, Span) and event.verdict is not Verdict.CLEAR}
+    assert worse <= examined
+    assert len(examined) < len({event.pair.id for event in every if isinstance(event, Wakeup)})
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_what_windows_clear_of_a_pair_is_below_its_distance(seed: int) -> None:
+    """Spans of an examined pair tile its time; where windows alone cleared it, the clearance holds too."""
+    scene = random_scene(seed)
+    pairing = Pairing(scene, NarrowPhase(scene.bodies), SETTINGS.margin)
+    events = list(run((), SETTINGS, Crowd(pairing, SETTINGS)))
+    spans: dict[int, list[Span]] = {}
+    for event in events:
+        if isinstance(event, Span):
+            spans.setdefault(event.pair.id, []).append(event)
+    assert spans
+    assert any(event.reason is Reason.WINDOW for event in events if isinstance(event, Wakeup))
+    for number, told in spans.items():
+        pair = pairing.pair(*bodies_of_pair(number, len(scene.bodies)))
+        assert pair is not None
+        told.sort(key=lambda span: span.start)
+        assert (told[0].start, told[-1].end) == (pair.start, pair.end)
+        assert all(one.end == other.start for one, other in pairwise(told))
+        for span in told:
+            for time in np.linspace(span.start, span.end, 23)[1:-1]:
+                if span.verdict is Verdict.CLEAR:
+                    assert pair.measure_exactly(time).above >= span.clearance > pair.margin
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_windows_of_a_body_follow_one_another_and_hold_it(seed: int) -> None:
+    scene = random_scene(seed)
+    windows: dict[int, list[Window]] = {}
+    broad_phase = BroadPhase(Pairing(scene, NarrowPhase(scene.bodies), 0.0))
+    while broad_phase.next_tick < inf:
+        for window in broad_phase.renew()[0]:
+            windows.setdefault(window.body, []).append(window)
+    poses = WorldPoses(scene.bodies)
+    for index, body in enumerate(scene.bodies):
+        begin, end = scene.shared_time(index, index)
+        told = windows.get(index, [])
+        assert bool(told) == (bool(body.shapes) and begin < end)
+        if not told:
+            continue
+        assert (told[0].start, told[-1].end) == (begin, end)
+        assert all(b.start in (a.end, nextafter(a.end, inf)) for a, b in pairwise(told))
+        extent = body_extent(body)
+        for window in told:
+            for time in np.linspace(window.start, window.end, 7).tolist():
+                pose = poses.at(min(time, window.end))[index]
+                points = extent.points @ pose[:3, :3].T + pose[:3, 3]
+                assert (points - extent.radii[:, None] >= np.array(window.low)).all()
+                assert (points + extent.radii[:, None] <= np.array(window.high)).all()
+
+
+def test_a_pair_that_parts_leaves_the_queue_and_comes_back() -> None:
+    """A ball swings past a small one, over and over: far away it is not in the queue, and every touch is found."""
+    swinging = Body("a", None, at((10.0, 0.0, 0.0)), Harmonic((1.0, 0.0, 0.0), 10.0, 2.0, 0.0), (round_shape(0.5),))
+    still = Body("b", None, at((0.5, 0.0, 0.0)), Fixed(), (round_shape(0.5),))
+    scene = Scene((swinging, still), 0.0, 6.0, PairRules())
+    events = list(run((), SETTINGS, Crowd(Pairing(scene, NarrowPhase(scene.bodies), 0.0), SETTINGS)))
+    begins = [event.time for event in events if isinstance(event, Collision) and event.phase.name == "BEGIN"]
+    # 10 + 10 sin(pi t) <= 1.5
+    first = 1.0 + np.arcsin(0.85) / np.pi
+    assert begins == pytest.approx([first, first + 2.0, first + 4.0], abs=1e-6)
+    assert sum(event.reason is Reason.WINDOW for event in events if isinstance(event, Wakeup)) >= 1
+
+
+def test_jumping_bodies_meet_at_the_jump_alone() -> None:
+    """The one jumps onto the other for a while; nothing on the way between counts."""
+    times, places = np.array([0.0, 1.0, 2.0, 4.0]), np.array([[0.0, 0, 0], [50, 0, 0], [0, 0, 0], [0, 0, 0]])
+    jumping = Body("a", None, np.eye(4), steps(times, places), (box(1, 1, 1),))
+    target = Body("b", None, at((50.4, 0.0, 0.0)), Fixed(), (box(1, 1, 1),))
+    between = Body("c", None, at((25.0, 0.0, 0.0)), Fixed(), (box(1, 1, 1),))
+    scene = Scene((jumping, target, between), 0.0, 4.0, PairRules())
+    events = list(run((), SETTINGS, Crowd(Pairing(scene, NarrowPhase(scene.bodies), 0.0), SETTINGS)))
+    told = [(e.pair.a, e.pair.b, e.time_touching) for e in events if isinstance(e, Collision)]
+    assert told == [(0, 1, 1.0), (0, 1, nextafter(2.0, 0.0))]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_crowds_nearest_pairs_are_those_of_all_its_pairs(seed: int) -> None:
+    scene = random_scene(seed)
+    narrow_phase = NarrowPhase(scene.bodies)
+    pairing = Pairing(scene, narrow_phase, SETTINGS.margin)
+    crowd, every = CrowdObserver(pairing, 5), Observer(scene, list(pairing.all()), 5, narrow_phase)
+    for time in np.linspace(0.0, END, 7).tolist():
+        one, other = crowd.at(time, frozenset()), every.at(time, frozenset())
+        assert np.array_equal(one.poses, other.poses)
+        assert np.array_equal(one.there, existing(scene, time))
+        assert [rounded(near) for near in one.nearest] == [rounded(near) for near in other.nearest]
+
+
+def rounded(near: Nearness) -> tuple[int, float, Verdict]:
+    return near.pair.id, round(near.distance, 9), near.verdict
