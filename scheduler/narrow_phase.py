@@ -136,14 +136,11 @@ class NarrowPhase:
         return deepest
 
     def error(self, a: int, b: int) -> float:
-        """Return how far (m) a measured distance of the two bodies may be from the true one.
-
-        The terms of each placed point are counted apart: a mesh far from its own origin may be put back by its pose.
-        """
+        """Return how far (m) a measured distance of the two bodies may be from the true one."""
         return self.own_error(a) + self.own_error(b)
 
     def own_error(self, body: int) -> float:
-        """Return the part (m) of that error which a body brings into each of its pairs."""
+        """Return a body's part (m) of that; its pose may bring a mesh back from afar, so that each term counts."""
         parts = self._bodies[body]
         return DISTANCE_ERROR * max(part.extent for part in parts) + max(part.model.error for part in parts)
 

@@ -49,6 +49,12 @@ def wakeup(time: float, clearance: float, sleep: float, bound: str = "displaceme
     return message("wall|dart", 0, time, **fields)
 
 
+def window(body: str, start: float, end: float, least: float, most: float, half: float) -> dict[str, Any]:
+    """Return the box from `least` to `most` in x, and `half` to either side in y and z."""
+    low, high = {"x": least, "y": -half, "z": -half}, {"x": most, "y": half, "z": half}
+    return stamped(start, body=body, start=start, end=end, box_min=low, box_max=high)
+
+
 def true_log() -> Log:
     """Return a log of WALL as a faultless tool would write it, from closed forms."""
     begin, end = 0.65 - 4e-7, 1.35 + 4e-7
@@ -62,8 +68,10 @@ def true_log() -> Log:
     turned = {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}
     transform = {"parent_frame_id": "world", "child_frame_id": "dart", "rotation": turned}
     transform["translation"] = {"x": -0.5, "y": 0.0, "z": 0.0}
-    window = {"body": "dart", "start": 0.5, "end": 0.7}
-    window |= {"box_min": {"x": -0.6, "y": -0.1, "z": -0.1}, "box_max": {"x": -0.2, "y": 0.1, "z": 0.1}}
+    windows = [window(name, 0.0, 2.0, -9.0, 9.0, 9.0) for name in ("wall", "bird")]
+    windows.append(window("dart", 0.0, 0.5, -9.0, 9.0, 9.0))
+    windows.append(window("dart", 0.5, 0.7, -0.6, -0.2, 0.1))
+    windows.append(window("dart", 0.7, 2.0, -9.0, 9.0, 9.0))
     bird = [span("wall|bird", 1, "CLEAR", 0.0, 2.0, 5e-8), span("dart|bird", 2, "CLEAR", 0.0, 2.0, 0.1)]
     collisions = [
         collision("BEGIN", begin, 0.65 + 4e-7, -0.25),
@@ -75,7 +83,7 @@ def true_log() -> Log:
             "collisions": collisions,
             "distances": [distance],
             "tf": [stamped(0.5, transforms=[transform])],
-            "windows": [stamped(0.5, **window)],
+            "windows": windows,
             "wakeups": [wakeup(0.0, 0.65, 0.5), wakeup(0.5, 0.15, begin - 0.5), wakeup(end, 0.0, 2.0 - end)],
         }
     )
@@ -172,7 +180,7 @@ def spoil_transform(log: Log) -> None:
 
 
 def spoil_window(log: Log) -> None:
-    log.topics["windows"][0]["box_max"]["x"] -= 1e-7
+    log.topics["windows"][3]["box_max"]["x"] -= 1e-7
 
 
 SPOILED: list[tuple[Callable[[Log], None], str]] = [
