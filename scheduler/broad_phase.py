@@ -32,8 +32,8 @@ _FIELDS = 8
 class BroadPhase:
     """The current swept boxes of a scene's bodies, and all that were before.
 
-    Invariant: any two windows that share an instant have been held against each other, at the tick of the later one:
-    a window is current from before it begins until the next one of its body has begun.
+    Invariant: at each instant two windows that hold it, of any two bodies, have been held against each other, at the
+    tick of the later one: a window is current from before it begins until the next one of its body has begun.
     """
 
     def __init__(self, pairing: Pairing) -> None:

@@ -53,13 +53,13 @@ class Crowd:
             entering.append((begin if first else time, Reason.START if first else Reason.WINDOW, watch))
         return entering
 
-    def part(self, watch: Watch, time: float, plan: Plan) -> Plan:
-        """Return the pair's plan at `time` (s), or, where windows clear it for longer, how long they do.
+    def part(self, watch: Watch, plan: Plan) -> Plan:
+        """Return the pair's plan, or, where windows clear it for longer, how long they do: then it leaves the queue.
 
-        Such a pair leaves the queue.
+        They have to clear it from when it is decided to: a last step that is to be tried finer is not.
         """
         key = watch.pair.key
-        if not watch.parting or (until := self._windows.cleared_until(key.a, key.b, time)) < plan.time:
+        if not watch.parting or (until := self._windows.cleared_until(key.a, key.b, watch.decided)) < plan.time:
             return plan
         self._inside.discard(key.id)
         self._outside[key.id] = watch

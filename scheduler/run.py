@@ -56,7 +56,7 @@ def run(pairs: Iterable[Pair], settings: Settings, crowd: Crowd | None = None) -
         plan = watch.plan()
         # Where windows clear it for longer than that, it leaves the queue until they no longer do.
         if crowd is not None and plan is not None:
-            plan = crowd.part(watch, time, plan)
+            plan = crowd.part(watch, plan)
         if plan is not None and plan.bound is not Bound.WINDOWS:
             queue.push(plan.time, plan.reason, watch)
         sleep, bound = (max(0.0, plan.time - time), plan.bound) if plan else (0.0, Bound.NONE)

@@ -95,7 +95,7 @@ class Watch:
 
     @property
     def parting(self) -> bool:
-        """Whether the pair was last seen clear, and nothing is left to decide up to then."""
+        """Whether the pair was clear when it was last decided, and no later change waits for its bracket."""
         known = self._known
         return self._other is None and known is not None and known.standing is Verdict.CLEAR
 

@@ -12,7 +12,7 @@ from small_scenes import box, round_shape
 from closecall.scheduler.broad_phase import BroadPhase
 from closecall.scheduler.counting import count_pairs
 from closecall.scheduler.crowd import Crowd
-from closecall.scheduler.events import Collision, Event, Nearness, Reason, Span, Verdict, Wakeup, Window
+from closecall.scheduler.events import Bound, Collision, Event, Nearness, Reason, Span, Verdict, Wakeup, Window
 from closecall.scheduler.extent import body_extent
 from closecall.scheduler.grid import BoxGrid
 from closecall.scheduler.motions import (
@@ -43,6 +43,7 @@ from closecall.scheduler.scene import (
     pair_id,
 )
 from closecall.scheduler.snapshot import Observer, existing
+from closecall.scheduler.watch import Plan
 
 END = 3.0
 SETTINGS = Settings(margin=0.02)
@@ -217,6 +218,28 @@ def test_a_pair_that_parts_leaves_the_queue_and_comes_back() -> None:
     first = 1.0 + np.arcsin(0.85) / np.pi
     assert begins == pytest.approx([first, first + 2.0, first + 4.0], abs=1e-6)
     assert sum(event.reason is Reason.WINDOW for event in events if isinstance(event, Wakeup)) >= 1
+
+
+def test_windows_of_now_do_not_clear_what_was_before_them() -> None:
+    """A pair whose last step is to be tried finer is decided up to an earlier time, when its boxes met."""
+    moving = Body("a", None, np.eye(4), Constant((4.0, 0.0, 0.0), (0.0, 0.0, 0.0)), (box(1, 1, 1),))
+    still = Body("b", None, at((0.0, 1.1, 0.0)), Fixed(), (box(1, 1, 1),))
+    scene = Scene((moving, still), 0.0, 4.0, PairRules())
+    crowd = Crowd(Pairing(scene, NarrowPhase(scene.bodies), 0.0), SETTINGS)
+    entered = []
+    while crowd.next_tick < 2.0:
+        meeting = crowd.meet()
+        try:
+            while True:
+                next(meeting)
+        except StopIteration as ended:
+            entered += ended.value
+    ((_, _, watch),) = entered
+    plan = Plan(2.0, Reason.TIME_BOUND, Bound.LECTURE)
+    list(watch.learn(watch.pair.measure(0.0)))
+    assert crowd.part(watch, plan) is plan
+    list(watch.learn(watch.pair.measure(crowd.next_tick)))
+    assert crowd.part(watch, plan._replace(time=crowd.next_tick)).bound is Bound.WINDOWS
 
 
 def test_jumping_bodies_meet_at_the_jump_alone() -> None:
