@@ -1,4 +1,4 @@
-"""The triangles of two placed shapes that are near each other, found by their bounding balls and boxes."""
+"""The triangles of two placed shapes that are near each other, found by boxes around groups of them."""
 
 from __future__ import annotations
 
@@ -14,28 +14,36 @@ from .rotation import FloatArray
 MOST_TRIANGLE_PAIRS = 2_000
 #: The same for pairs of bounding boxes.
 MOST_BOX_PAIRS = 400_000
+#: So many neighbouring triangles share a box.
+GROUP = 16
 #: Relative loss granted to the arithmetic of what is near.
 ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Triangles:
-    """A mesh's triangles in one frame, m: corners (m, 3, 3); balls around them, centres (m, 3) and radii (m,); boxes
-    around them, low and high (m, 3).
+    """A mesh's triangles in one frame, m, neighbours next to each other: corners (m, 3, 3).
+
+    Every `GROUP` of them in turn have a box around them, low and high (groups, 3).
     """
 
     corners: FloatArray
-    centres: FloatArray
-    radii: FloatArray
     low: FloatArray
     high: FloatArray
 
     @staticmethod
     def of(corners: FloatArray) -> Triangles:
         """Return the triangles with these corners."""
-        centres = corners.mean(axis=1)
-        radii = np.sqrt(((corners - centres[:, None]) ** 2).sum(axis=2).max(axis=1))
-        return Triangles(corners, centres, radii, corners.min(axis=1), corners.max(axis=1))
+        ordered = corners[_neighbours_together(corners.mean(axis=1))]
+        starts = np.arange(0, len(ordered), GROUP)
+        low = np.minimum.reduceat(ordered.min(axis=1), starts)
+        high = np.maximum.reduceat(ordered.max(axis=1), starts)
+        return Triangles(ordered, low, high)
+
+    def members(self, groups: NDArray[np.intp]) -> NDArray[np.intp]:
+        """Return the rows (k, GROUP) of groups (k,); the last group's are filled up with its last."""
+        rows: NDArray[np.intp] = np.minimum(groups[:, None] * GROUP + np.arange(GROUP), len(self.corners) - 1)
+        return rows
 
 
 class NearTriangles(NamedTuple):
@@ -47,6 +55,10 @@ class NearTriangles(NamedTuple):
     one: FloatArray
     other: FloatArray
     radii: FloatArray
+
+    def only(self, kept: NDArray[np.bool_]) -> NearTriangles:
+        """Return those that are kept (k,)."""
+        return NearTriangles(self.one[kept], self.other[kept], self.radii[kept])
 
 
 NOTHING = NearTriangles(np.empty((0, 3, 3)), np.empty((0, 3, 3)), np.empty(0))
@@ -67,23 +79,59 @@ def near_pairs(
     """
     relative = pose_one[:3, :3].T @ pose_other[:3, :3]
     shift = pose_one[:3, :3].T @ (pose_other[:3, 3] - pose_one[:3, 3])
-    there = other.centres @ relative.T + shift
     limit = reach * (1.0 + ROUNDING)
-    balls = other.radii[:, None]
-    theirs = _near_box(there - balls, there + balls, one.low, one.high, limit)
-    placed = other.corners[theirs] @ relative.T + shift
-    low, high = placed.min(axis=1), placed.max(axis=1)
-    ours = _near_box(one.low, one.high, low, high, limit)
-    kept = _near_box(low, high, one.low[ours], one.high[ours], limit)
-    theirs, low, high = theirs[kept], low[kept], high[kept]
-    if len(ours) * len(theirs) > MOST_BOX_PAIRS:
+    centres = 0.5 * (other.low + other.high) @ relative.T + shift
+    halves = 0.5 * (other.high - other.low) @ np.abs(relative).T
+    i, j = _groups_near(one.low, one.high, centres - halves, centres + halves, limit)
+    if len(i) * GROUP**2 > MOST_BOX_PAIRS:
         return None
-    i, j = _near_each_other(one.low[ours], one.high[ours], low, high, limit)
-    if len(i) > MOST_TRIANGLE_PAIRS:
+    ours, theirs = one.members(i), other.members(j)
+    mine, yours = one.corners[ours], other.corners[theirs] @ relative.T + shift
+    near = _within(
+        mine.min(axis=2)[:, :, None],
+        mine.max(axis=2)[:, :, None],
+        yours.min(axis=2)[:, None],
+        yours.max(axis=2)[:, None],
+        limit,
+    )
+    near &= _first_of_each(i, len(one.corners))[:, :, None] & _first_of_each(j, len(other.corners))[:, None]
+    k, m, n = np.nonzero(near)
+    if len(k) > MOST_TRIANGLE_PAIRS:
         return None
-    mine = one.corners[ours[i]] @ pose_one[:3, :3].T + pose_one[:3, 3]
-    yours = other.corners[theirs[j]] @ pose_other[:3, :3].T + pose_other[:3, 3]
-    return mine, yours
+    found = one.corners[ours[k, m]] @ pose_one[:3, :3].T + pose_one[:3, 3]
+    return found, other.corners[theirs[k, n]] @ pose_other[:3, :3].T + pose_other[:3, 3]
+
+
+def _neighbours_together(centres: FloatArray) -> NDArray[np.intp]:
+    """Return an order of points (m, 3) in which every `GROUP` in turn lie near each other: halves of halves."""
+    ordered: list[NDArray[np.intp]] = []
+    left: list[NDArray[np.intp]] = [np.arange(len(centres))]
+    while left:
+        rows = left.pop()
+        if len(rows) <= GROUP:
+            ordered.append(rows)
+            continue
+        axis = int(np.argmax(np.ptp(centres[rows], axis=0)))
+        rows = rows[np.argsort(centres[rows, axis], kind="stable")]
+        half = -(-len(rows) // (2 * GROUP)) * GROUP
+        left += [rows[half:], rows[:half]]
+    return np.concatenate(ordered)
+
+
+def _first_of_each(groups: NDArray[np.intp], count: int) -> NDArray[np.bool_]:
+    """Tell (k, GROUP) which members of groups (k,) are there, of so many triangles, and not just fill the last up."""
+    there: NDArray[np.bool_] = groups[:, None] * GROUP + np.arange(GROUP) < count
+    return there
+
+
+def _groups_near(
+    low: FloatArray, high: FloatArray, lows: FloatArray, highs: FloatArray, reach: float
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return the pairs of indices of the boxes (n, 3) and (m, 3) that come within `reach` of each other."""
+    theirs = _near_box(lows, highs, low, high, reach)
+    ours = _near_box(low, high, lows[theirs], highs[theirs], reach)
+    i, j = _near_each_other(low[ours], high[ours], lows[theirs], highs[theirs], reach)
+    return ours[i], theirs[j]
 
 
 def _near_box(low: FloatArray, high: FloatArray, lows: FloatArray, highs: FloatArray, reach: float) -> NDArray[np.intp]:

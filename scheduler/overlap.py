@@ -53,6 +53,7 @@ class Overlaps:
             near_future: how any point of the one accelerates relative to any of the other, and until when.
             slack: m/s, by which the velocities may be wrong.
         """
+        near = _meeting(near, near.radii + 2.0 * error)
         directions = _directions(near)
         onto = np.swapaxes(directions, 1, 2)
         one, other = near.one @ onto, near.other @ onto  # (k, corner, d)
@@ -81,8 +82,16 @@ class Overlaps:
 
 def proper(near: NearTriangles) -> NearTriangles:
     """Return the pairs of which one at least is no point or segment: P has an inside then, or is flat."""
-    kept = np.maximum(_heights(near.one)[0], _heights(near.other)[0]) > 0.0
-    return NearTriangles(near.one[kept], near.other[kept], near.radii[kept])
+    return near.only(np.maximum(_heights(near.one)[0], _heights(near.other)[0]) > 0.0)
+
+
+def _meeting(near: NearTriangles, thickness: FloatArray) -> NearTriangles:
+    """Leave out pairs (k,) that the plane of either triangle parts by more than `thickness` (k,) m."""
+    sides = [np.roll(corners, -1, axis=1) - corners for corners in (near.one, near.other)]
+    normals = np.stack([_units(np.cross(side[:, 0], side[:, 1])) for side in sides], axis=2)  # (k, 3, 2)
+    one, other = near.one @ normals, near.other @ normals
+    apart = np.maximum(other.min(axis=1) - one.max(axis=1), one.min(axis=1) - other.max(axis=1)).max(axis=1)
+    return near.only(apart <= thickness)
 
 
 def _directions(near: NearTriangles) -> FloatArray:
