@@ -15,19 +15,23 @@ MOST_TRIANGLE_PAIRS = 2_000
 #: The same for pairs of bounding boxes.
 MOST_BOX_PAIRS = 400_000
 #: So many neighbouring triangles share a box.
-GROUP = 16
+GROUP = 8
 #: Relative loss granted to the arithmetic of what is near.
 ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Triangles:
-    """A mesh's triangles in one frame, m, neighbours next to each other: corners (m, 3, 3).
+    """A mesh's triangles in one frame, m, neighbours next to each other.
 
-    Every `GROUP` of them in turn have a box around them, low and high (groups, 3).
+    Attributes:
+        corners: (m, 3, 3).
+        boxes: (2, m, 3), the low and the high corner around each.
+        low, high: (groups, 3), around every `GROUP` of them in turn.
     """
 
     corners: FloatArray
+    boxes: FloatArray
     low: FloatArray
     high: FloatArray
 
@@ -36,9 +40,9 @@ class Triangles:
         """Return the triangles with these corners."""
         ordered = corners[_neighbours_together(corners.mean(axis=1))]
         starts = np.arange(0, len(ordered), GROUP)
-        low = np.minimum.reduceat(ordered.min(axis=1), starts)
-        high = np.maximum.reduceat(ordered.max(axis=1), starts)
-        return Triangles(ordered, low, high)
+        boxes = np.stack((ordered.min(axis=1), ordered.max(axis=1)))
+        low, high = np.minimum.reduceat(boxes[0], starts), np.maximum.reduceat(boxes[1], starts)
+        return Triangles(ordered, boxes, low, high)
 
     def members(self, groups: NDArray[np.intp]) -> NDArray[np.intp]:
         """Return the rows (k, GROUP) of groups (k,); the last group's are filled up with its last."""
@@ -85,15 +89,12 @@ def near_pairs(
     i, j = _groups_near(one.low, one.high, centres - halves, centres + halves, limit)
     if len(i) * GROUP**2 > MOST_BOX_PAIRS:
         return None
+    placed, place = np.unique(j, return_inverse=True)
+    moved = other.corners[other.members(placed)] @ relative.T + shift  # (groups, GROUP, corner, 3)
+    low, high = moved.min(axis=2)[place], moved.max(axis=2)[place]
     ours, theirs = one.members(i), other.members(j)
-    mine, yours = one.corners[ours], other.corners[theirs] @ relative.T + shift
-    near = _within(
-        mine.min(axis=2)[:, :, None],
-        mine.max(axis=2)[:, :, None],
-        yours.min(axis=2)[:, None],
-        yours.max(axis=2)[:, None],
-        limit,
-    )
+    mine = one.boxes[:, ours]
+    near = _within(mine[0][:, :, None], mine[1][:, :, None], low[:, None], high[:, None], limit)
     near &= _first_of_each(i, len(one.corners))[:, :, None] & _first_of_each(j, len(other.corners))[:, None]
     k, m, n = np.nonzero(near)
     if len(k) > MOST_TRIANGLE_PAIRS:
