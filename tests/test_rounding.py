@@ -98,7 +98,7 @@ def test_the_speed_of_bodies_that_move_alike_is_not_less_than_what_rounding_hide
             Body("a", None, EYE, Constant(vector(turned.astype(float)), ZERO), ()),
             Body("b", None, pose, Constant(vector(inner), ZERO), ()),
         )
-        motion = RelativeMotion(*(chain_to(bodies, index, None, POINT) for index in range(2)))
+        motion = RelativeMotion(chain_to(bodies, 0, None, POINT), chain_to(bodies, 1, None, POINT))
         speed = motion.approach(motion.at(0.0), 1.0).speed
         truth = float(length(turned - wide(turned.astype(float))))
         seen += truth > 1e-13
@@ -147,7 +147,8 @@ def test_no_triangle_within_reach_is_left_out_by_rounding():
             wide(pose[:3, :3]) @ wide(part.corners[0, 0]) + wide(pose[:3, 3])
             for pose, part in zip(poses, (one, other), strict=True)
         ]
-        found = near_pairs(one, other, *poses, nextafter(float(length(places[1] - places[0])), inf))
+        reach = nextafter(float(length(places[1] - places[0])), inf)
+        found = near_pairs(one, other, poses[0], poses[1], reach)
         assert found is not None
         assert len(found[0]) == 1
 

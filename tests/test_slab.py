@@ -67,7 +67,7 @@ class Case:
             for places, radius, twist in zip((one, other), self.radii, twists, strict=True)
         ]
         near = self.motion.approach(moments, duration, cores=True)
-        self.slab = Slab(*bodies, nearest_faces(one, other), 0.0, 0.0, near, 0.0)
+        self.slab = Slab(bodies[0], bodies[1], nearest_faces(one, other), 0.0, 0.0, near, 0.0)
 
     def placed(self, t) -> tuple[np.ndarray, np.ndarray]:
         moments = self.motion.at(t)
