@@ -189,6 +189,14 @@ def test_keys_are_held_or_looped_outside_their_range() -> None:
     np.testing.assert_allclose(posed(spec, [0.0, 2.0, 3.5, 4.75])[:, 0, 3], [0, 1, 0.5, 1.75])
 
 
+def test_a_float_before_a_key_of_an_earlier_loop_is_before_it() -> None:
+    """The key at 0.21875 is shown at -0.078125 too; the float before that, 1.4e-17 s sooner, is not yet there."""
+    keys = [{"t": 0.0, "xyz": [0, 0, 0]}, {"t": 0.21875, "xyz": [1, 0, 0]}, {"t": 0.296875, "xyz": [2, 0, 0]}]
+    steps = {"translation": "step", "rotation": "step"}
+    spec = {"type": "keyframes", "keys": keys, "before": "loop", "interpolation": steps}
+    np.testing.assert_allclose(posed(spec, [np.nextafter(-0.078125, -1.0), -0.078125])[:, 0, 3], [0.0, 0.001])
+
+
 def test_a_pose_reads_the_same_in_every_notation() -> None:
     turn = Rotation.from_euler("xyz", [10, 20, 30], degrees=True)
     x, y, z, w = turn.as_quat()

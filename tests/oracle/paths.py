@@ -76,7 +76,9 @@ class KeyPath:
         looped = np.full_like(t, first)
         if span > 0.0:
             since, lost = exact_sum(t, -first)
-            within = np.mod(since, span)
+            within = np.fmod(since, span)  # exact, of the sign of `since`
+            later, taken = exact_sum(within, span)
+            within, lost = np.where(within < 0.0, later, within), np.where(within < 0.0, lost + taken, lost)
             looped, rounded = exact_sum(within, first)
             before = lost + rounded < 0.0  # a float before a key must not be rounded onto it
             looped = np.where(before, np.nextafter(looped, -np.inf), looped)
