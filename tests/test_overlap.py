@@ -6,13 +6,17 @@ import numpy as np
 import pytest
 from drawn_motions import CONTINUOUS, random_chain, random_unit, vector
 from scipy.spatial.transform import Rotation
+from small_scenes import box, events_of
 
 from closecall.scheduler.chain import Twist
+from closecall.scheduler.events import Reason, Span, Verdict, Wakeup
+from closecall.scheduler.motions import Constant, Fixed, Harmonic
 from closecall.scheduler.motions.spread import STILL as CONSTANT
 from closecall.scheduler.motions.spread import Spread, ball
 from closecall.scheduler.nearby import NearTriangles
 from closecall.scheduler.overlap import Overlaps, proper
 from closecall.scheduler.relative import Approach, RelativeMotion
+from closecall.scheduler.scene import Body
 from oracle.triangles import separation
 
 CASES = 400
@@ -133,3 +137,30 @@ def test_a_ball_rolls_over_a_face_up_to_the_border():
 def test_points_and_segments_alone_are_not_judged():
     point = np.zeros((1, 3, 3))
     assert overlaps(point, point, STILL, ahead(), radius=1.0).sleep() == 0.0
+
+
+def lifted(z) -> np.ndarray:
+    pose = np.eye(4)
+    pose[2, 3] = z
+    return pose
+
+
+SPIN = Constant((1.0, 0.0, 0.0), (0.0, 0.0, 1.5))
+SLOWER = Constant((1.0, 0.0, 0.0), (0.0, 0.0, 0.5))
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "height"),
+    [
+        (SPIN, SPIN, 0.0),  # coincident copies that move alike
+        (SPIN, SLOWER, 1.0),  # parallel faces that turn on each other
+        (Fixed(), Harmonic((1.0, 0.0, 0.0), 0.3, 2.0, 0.2), 1.0),  # slides to and fro
+        (Fixed(), Harmonic((1.0, 0.0, 0.0), 0.3, 2.0, 0.2), 0.999),  # the same, 1 mm deep
+    ],
+)
+def test_bodies_that_rest_or_slide_on_each_other_touch_all_the_time_and_sleep(lower, upper, height):
+    cube = box(1.0, 1.0, 1.0)
+    events = events_of(Body("a", None, np.eye(4), lower, (cube,)), Body("b", None, lifted(height), upper, (cube,)))
+    (span,) = [event for event in events if isinstance(event, Span)]
+    assert (span.verdict, span.start, span.end) == (Verdict.CONTACT, 0.0, 4.0)
+    assert sum(isinstance(event, Wakeup) and event.reason is Reason.CONTACT for event in events) < 50 * 4
