@@ -15,7 +15,7 @@ from math import ceil, hypot, inf, nextafter
 import numpy as np
 
 from .bounds import spendable
-from .chain import anchor
+from .chain import anchors
 from .events import Window
 from .grid import BoxGrid
 from .pair import Pair
@@ -41,7 +41,7 @@ class BroadPhase:
         scene = pairing.scene
         self._bodies = _swept_bodies(pairing)
         count = len(scene.bodies)
-        self._anchors = np.array([-1 if (at := anchor(scene.bodies, k)) is None else at for k in range(count)])
+        self._anchors = anchors(scene.bodies)
         self._guards = _guards(pairing, self._bodies)
         self._grid = BoxGrid(count)
         self._begins, self._ends = np.full(count, inf), np.full(count, -inf)

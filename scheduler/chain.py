@@ -8,6 +8,7 @@ from math import inf
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .extent import Extent
 from .motions import Axis, Fixed, Interval, Limits, Motion, Rates, Reach
@@ -243,6 +244,12 @@ def lineage(bodies: tuple[Body, ...], body: int) -> tuple[int, ...]:
 def anchor(bodies: tuple[Body, ...], body: int) -> int | None:
     """Return the nearest of a body and its ancestors that moves in its parent; bodies of one never part."""
     return next((index for index in lineage(bodies, body) if not isinstance(bodies[index].motion, Fixed)), None)
+
+
+def anchors(bodies: tuple[Body, ...]) -> NDArray[np.int64]:
+    """Return every body's anchor, (n,); -1 for none."""
+    found = (anchor(bodies, index) for index in range(len(bodies)))
+    return np.array([-1 if at is None else at for at in found], dtype=np.int64)
 
 
 def parents_first(bodies: tuple[Body, ...]) -> tuple[int, ...]:

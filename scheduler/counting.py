@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .chain import anchor
+from .chain import anchors
 from .scene import IntArray, PairRules, Scene
 
 
@@ -26,19 +26,18 @@ def count_pairs(scene: Scene) -> PairCounts:
     kinds of bodies that the rules tell apart.
     """
     bodies = np.array([index for index, body in enumerate(scene.bodies) if body.shapes], dtype=np.int64)
-    anchors = np.array([-1 if (at := anchor(scene.bodies, index)) is None else at for index in bodies.tolist()])
     checked = ignored = 0
-    for sign, together in [(1, bodies), *((-1, joined) for joined in _groups(bodies, anchors))]:
+    for sign, together in [(1, bodies), *((-1, joined) for joined in _groups(bodies, anchors(scene.bodies)[bodies]))]:
         counts = _sharing_time(scene, together)
         checked += sign * counts.checked
         ignored += sign * counts.ignored
     return PairCounts(checked, ignored)
 
 
-def _groups(bodies: IntArray, anchors: NDArray[np.int64]) -> Iterator[IntArray]:
+def _groups(bodies: IntArray, anchor_of: NDArray[np.int64]) -> Iterator[IntArray]:
     """Yield the bodies of each anchor that has several."""
-    order = np.argsort(anchors, kind="stable")
-    for group in np.split(bodies[order], np.flatnonzero(np.diff(anchors[order])) + 1):
+    order = np.argsort(anchor_of, kind="stable")
+    for group in np.split(bodies[order], np.flatnonzero(np.diff(anchor_of[order])) + 1):
         if len(group) > 1:
             yield group
 

@@ -156,12 +156,17 @@ def axes_between(one: FloatArray, other: FloatArray) -> FloatArray:
     crosses = np.cross(sides[:, :, None], others[:, None, :]).reshape(-1, 9, 3)
     across = _between_nearest_points(one, other, sides, others)
     found = np.concatenate((normals, crosses, across[:, None]), axis=1)
-    lengths = np.linalg.norm(found, axis=2)
-    known = (lengths > SHORTEST)[:, :, None]
-    found = np.divide(found, lengths[:, :, None], out=np.zeros_like(found), where=known)
+    found = units(found)
     middle = other.mean(axis=1) - one.mean(axis=1)
     towards: FloatArray = found * np.where(np.einsum("kdc,kc->kd", found, middle) < 0.0, -1.0, 1.0)[:, :, None]
     return towards
+
+
+def units(vectors: FloatArray) -> FloatArray:
+    """Return vectors (..., 3) at length 1; zero where they point nowhere."""
+    lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    scaled: FloatArray = np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > SHORTEST)
+    return scaled
 
 
 def _between_nearest_points(one: FloatArray, other: FloatArray, sides: FloatArray, others: FloatArray) -> FloatArray:

@@ -17,14 +17,12 @@ import numpy as np
 
 from .bounds import RELATIVE_ROUNDING
 from .chain import Twist
-from .directional import roots
+from .directional import SHORTEST, roots, units
 from .nearby import NearTriangles
 from .relative import Approach
 from .rotation import FloatArray
 from .sliver import EPSILON
 
-#: Vectors shorter than this (m, m^2) point nowhere.
-SHORTEST = 1e-150
 #: Planes through computed corners may miss P by this many eps times its size and how flat its triangles are.
 PLANE_ERROR = 16.0 * EPSILON
 
@@ -88,7 +86,7 @@ def proper(near: NearTriangles) -> NearTriangles:
 def _meeting(near: NearTriangles, thickness: FloatArray) -> NearTriangles:
     """Leave out pairs (k,) that the plane of either triangle parts by more than `thickness` (k,) m."""
     sides = [np.roll(corners, -1, axis=1) - corners for corners in (near.one, near.other)]
-    normals = np.stack([_units(np.cross(side[:, 0], side[:, 1])) for side in sides], axis=2)  # (k, 3, 2)
+    normals = np.stack([units(np.cross(side[:, 0], side[:, 1])) for side in sides], axis=2)  # (k, 3, 2)
     one, other = near.one @ normals, near.other @ normals
     apart = np.maximum(other.min(axis=1) - one.max(axis=1), one.min(axis=1) - other.max(axis=1)).max(axis=1)
     return near.only(apart <= thickness)
@@ -113,16 +111,10 @@ def _across(one: FloatArray, other: FloatArray) -> FloatArray:
 
     A cross product of nearly parallel vectors may lean along them by rounding: that is taken off again.
     """
-    ways = _units(np.cross(one, other))
-    for along in (_units(one), _units(other)):
-        ways = _units(ways - (ways * along).sum(axis=-1, keepdims=True) * along)
+    ways = units(np.cross(one, other))
+    for along in (units(one), units(other)):
+        ways = units(ways - (ways * along).sum(axis=-1, keepdims=True) * along)
     return ways
-
-
-def _units(vectors: FloatArray) -> FloatArray:
-    lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    units: FloatArray = np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > SHORTEST)
-    return units
 
 
 def _heights(corners: FloatArray) -> tuple[FloatArray, FloatArray]:
