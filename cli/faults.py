@@ -8,9 +8,16 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 import click
+
+if TYPE_CHECKING:
+    from ..formats.log.reader import Loss
+
+
+#: Exit code of a command that could not read all of a log.
+WITH_LOSS = 3
 
 
 class Terminated(BaseException):
@@ -19,12 +26,12 @@ class Terminated(BaseException):
 
 @contextmanager
 def faults_reported(output: Path | None = None) -> Iterator[None]:
-    """Report what the user can mend, a line each, and exit 2; exit 130 or 143 where the user interrupts.
+    """Report what the user can mend, a line each, and exit 2; 3 for a log beyond reading; 130 or 143 if interrupted.
 
     Args:
         output: the log under way, whose partial file an interrupted user is told of.
     """
-    from ..formats.log.errors import LogError
+    from ..formats.log.errors import DamagedLogError, LogError
     from ..formats.log.pipe import ClosedPipeError
     from ..formats.scene.errors import SceneError
 
@@ -35,7 +42,7 @@ def faults_reported(output: Path | None = None) -> Iterator[None]:
         sys.exit(128 + signal.SIGPIPE)
     except (SceneError, LogError) as fault:
         report(fault, output)
-        sys.exit(2)
+        sys.exit(WITH_LOSS if isinstance(fault, DamagedLogError) else 2)
     except MemoryError:
         click.echo("out of memory: the scene is too large for this machine", err=True)
         sys.exit(2)
@@ -45,6 +52,14 @@ def faults_reported(output: Path | None = None) -> Iterator[None]:
     except Terminated:
         click.echo("terminated" + _how_to_recover(output), err=True)
         sys.exit(128 + signal.SIGTERM)
+
+
+def exit_code_of(*losses: Loss | None, otherwise: int = 0) -> int:
+    """Tell on stderr what could not be read of logs, a line each; return the exit code."""
+    lost = [loss for loss in losses if loss is not None]
+    for loss in lost:
+        click.echo(str(loss), err=True)
+    return WITH_LOSS if lost else otherwise
 
 
 def report(fault: Exception, output: Path | None) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from .faults import faults_reported
+from .faults import exit_code_of, faults_reported
 
 
 @click.command("summary")
@@ -17,13 +17,13 @@ def command(log: Path, as_json: bool) -> int:
 
     Example: closecall summary gears.mcap --json
     """
-    from ..formats.log.reader import read_summary
+    from ..formats.log.found import read_found
     from .show import print_json, print_summary
 
     with faults_reported():
-        summary = read_summary(log)
+        found = read_found(log)
     if as_json:
-        print_json(summary)
+        print_json(found.summary)
     else:
-        print_summary(summary)
-    return 0
+        print_summary(found.summary)
+    return exit_code_of(found.loss)

@@ -11,7 +11,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from closecall.formats.log.summary import SummaryBuilder, to_json
+from closecall.formats.log.summary import SummaryBuilder, subject_of, to_json
 from closecall.scheduler.events import (
     Bound,
     Collision,
@@ -51,7 +51,8 @@ def builder(
         Body(name, None, np.eye(4), Fixed(), (Shape(cast(Any, None), 0.0, np.eye(4), error),))
         for name, error in zip(NAMES, chord_errors, strict=True)
     )
-    return SummaryBuilder(Scene(bodies, 0.0, 10.0, PairRules()), Settings(), pairs_total, keys_around)
+    scene = Scene(bodies, 0.0, 10.0, PairRules())
+    return SummaryBuilder(subject_of(scene, Settings(), pairs_total), keys_around)
 
 
 def folded(*events, **options):

@@ -6,8 +6,6 @@ import hashlib
 import json
 from dataclasses import asdict
 
-from closecall import __version__
-
 from ...scheduler.scene import Settings
 from ..scene.loaded import InputFile, LoadedScene
 from .errors import LogError
@@ -21,22 +19,6 @@ SCENE = "scene"
 SETTINGS = "settings.json"
 SUMMARY = "summary.json"
 LAYOUT = "layout.json"
-
-
-def identity(loaded: LoadedScene, settings: Settings, pairs_total: int, epoch: int) -> dict[str, str]:
-    """Return what tells this run from others: the inputs by hash, the settings, the time base (s, s, ns)."""
-    scene = loaded.scene
-    values = {
-        "version": __version__,
-        "scene_sha256": hashlib.sha256(loaded.source).hexdigest(),
-        "settings": settings_json(settings),
-        "start": repr(scene.start),
-        "end": repr(scene.end),
-        "epoch": str(epoch),
-        "count/bodies": str(len(scene.bodies)),
-        "count/pairs": str(pairs_total),
-    }
-    return values | {f"{kind}/{file.name}": file.sha256 for kind, file in input_files(loaded)}
 
 
 def input_files(loaded: LoadedScene) -> list[tuple[str, InputFile]]:

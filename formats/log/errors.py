@@ -1,4 +1,4 @@
-"""The fault of the log's reading and writing."""
+"""The faults of the log's reading and writing."""
 
 from __future__ import annotations
 
@@ -19,3 +19,7 @@ class LogError(Exception):
         self.path = path
         self.problem = problem
         self.remedy = remedy
+
+
+class DamagedLogError(LogError):
+    """A log that was one, and of which nothing can be read any more."""

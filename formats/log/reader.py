@@ -1,126 +1,281 @@
-"""Finished logs read back: their attachments and their summary."""
+"""A log read once from end to end, as far as it can be: finished, under way, cut short or damaged."""
 
 from __future__ import annotations
 
-import json
-import os
 import zlib
-from io import BytesIO
+from collections.abc import Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from functools import cache
+from importlib import import_module
 from pathlib import Path
-from struct import error as StructError  # noqa: N812
-from typing import IO, NoReturn, cast
+from struct import Struct
+from types import TracebackType
+from typing import Any, Self, cast
 
-from mcap.data_stream import ReadDataStream
-from mcap.exceptions import McapError
-from mcap.reader import SeekingReader
-from mcap.records import Attachment, AttachmentIndex
+from google.protobuf.message import DecodeError, Message
+from mcap.opcode import Opcode
+from mcap.records import Channel, Metadata, Schema
 from mcap.writer import MCAP0_MAGIC
 
-from .contents import SUMMARY
-from .errors import LogError
-from .summary import Summary
-
-# What mcap raises on bytes that are no MCAP, and what a length gone wrong makes of them.
-_DAMAGE = (
-    McapError,
-    StructError,
-    ValueError,
-    TypeError,
-    LookupError,
-    OverflowError,
-    MemoryError,
-    RuntimeError,
+from ..scene.errors import counted
+from . import messages_pb2 as pb
+from .attachments import NAME_A_LOG, opened, read_index
+from .contents import METADATA, METADATA_AT_START
+from .errors import DamagedLogError, LogError
+from .identity import Identity, read_identity
+from .records import (
+    DAMAGE,
+    RECORD_HEAD,
+    DamageError,
+    Record,
+    RecordFile,
+    attachment_content,
+    chunk_content,
+    read_stream,
 )
 
-_RECORD_HEAD_BYTES = 1 + 8  # opcode, length
-_CRC_BYTES = 4
+_MESSAGE_HEAD = Struct("<HIQQ")  # channel, sequence, log time, publish time
+_MESSAGE_OPCODES = frozenset((Opcode.CHUNK, Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE))
+
+_ATTACHMENT_TIMES_BYTES = 8 + 8
+_ATTACHMENT_HEAD_BYTES = 64 * 1024  # the times, and a name that no writer makes longer
+
+_FOXGLOVE = ("Log", "SceneUpdate", "FrameTransforms")
 
 
-def read_summary(path: Path) -> Summary:
-    """Return the summary that a finished log carries.
+@dataclass(frozen=True, slots=True)
+class Source:
+    """Where messages come from: a topic, and the type of its messages, None where that is not one of closecall's."""
+
+    topic: str
+    kind: type[Message] | None
+
+
+@dataclass(frozen=True, slots=True)
+class Loss:
+    """What of a log could not be read.
+
+    Attributes:
+        offset: byte of the first place.
+        problem: what is wrong there.
+        cut: whether the file merely ends too soon.
+        places: how many places there are.
+        read_to: s, the latest fact that was read before reading had to end; None where the rest was read.
+    """
+
+    path: Path
+    offset: int
+    problem: str
+    cut: bool
+    places: int
+    read_to: float | None
+
+    def __str__(self) -> str:
+        what = "unfinished" if self.cut else "damaged"
+        more = f" (and {counted(self.places - 1, 'more place')})" if self.places > 1 else ""
+        rest = "the rest was read" if self.read_to is None else f"read up to {self.read_to:.7g} s"
+        return f"{self.path}: {what} at byte {self.offset}: {self.problem}{more}; {rest}"
+
+
+class LogReader:
+    """Reads a log, as a context manager; memory holds one chunk at a time.
+
+    A chunk that is damaged is passed over, and reading ends where the records do: `loss` says so afterwards.
+
+    Attributes:
+        path: of the log.
+        identity: what the log says of its run.
 
     Raises:
-        LogError: for a file that is missing, unfinished, damaged, or not a log of closecall.
+        LogError: for a file that is missing, or not a log of closecall.
     """
-    data = read_attachment(path, SUMMARY)
-    try:
-        summary = json.loads(data, parse_constant=_refuse_constant)
-    except (ValueError, RecursionError) as error:
-        raise _damaged(path, f"{SUMMARY} is not JSON") from error
-    if not isinstance(summary, dict) or not Summary.__required_keys__ <= summary.keys():
-        raise _foreign(path)
-    return cast(Summary, summary)
+
+    identity: Identity
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._open = ExitStack()
+        self._wanted: frozenset[str] = frozenset()
+        self._schemas: dict[int, str] = {}
+        self._sources: dict[int, Source] = {}  # by channel, of the topics that are wanted
+        self._others: set[int] = set()
+        self._faults: list[DamageError] = []
+        self._stopped = False
+        self._offset = 0
+        self._latest = 0
+
+    def __enter__(self) -> Self:
+        self._file = self._open.enter_context(opened(self.path))
+        try:
+            self._records = RecordFile(self._file)
+            if not self._records.begins_well():
+                raise LogError(self.path, "is not an MCAP file", NAME_A_LOG)
+            self.identity = self._find_identity()
+        except BaseException:
+            self._open.close()
+            raise
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, fault: BaseException | None, trace: TracebackType | None
+    ) -> bool | None:
+        return self._open.__exit__(kind, fault, trace)
+
+    @property
+    def loss(self) -> Loss | None:
+        """What could not be read, known once the messages were; None where nothing is lost."""
+        if not self._faults:
+            return None
+        first = self._faults[0]
+        read_to = self.identity.seconds(max(self._latest, self.identity.epoch)) if self._stopped else None
+        return Loss(self.path, first.offset, first.problem, first.cut, len(self._faults), read_to)
+
+    def messages(self, *topics: str) -> Iterator[tuple[Source, int, bytes]]:
+        """Yield each message's source, log time in ns and bytes, in the order of the file: by time within a chunk.
+
+        Args:
+            topics: those wanted, of topics by body without the body (`/distances`); all topics if none are named.
+        """
+        self._wanted = frozenset(topics)
+        self._schemas, self._sources, self._others = {}, {}, set()
+        self._faults, self._stopped, self._latest = [], False, 0
+        for record, body in self._data():
+            try:
+                if record.opcode == Opcode.CHUNK:
+                    yield from self._inner(chunk_content(body))
+                else:
+                    yield from self._inner(RECORD_HEAD.pack(record.opcode, record.length) + body)
+            except DAMAGE as error:
+                self._faults.append(DamageError(record.offset, str(error) or "a record cannot be read"))
+
+    def facts(self, *topics: str) -> Iterator[tuple[Source, int, Any]]:
+        """Yield each message's source, log time in ns and the message itself; types that are not known are passed over.
+
+        Args:
+            topics: as for `messages`.
+        """
+        for source, log_time, data in self.messages(*topics):
+            if source.kind is None:
+                continue
+            try:
+                message = source.kind.FromString(data)
+            except DecodeError:
+                self.doubt(f"a message of {source.topic} cannot be decoded")
+                continue
+            yield source, log_time, message
+
+    def doubt(self, problem: str) -> None:
+        """Count the chunk under way as damaged, for one of its messages cannot be true."""
+        self._faults.append(DamageError(self._offset, problem))
+
+    def attachment(self, name: str) -> bytes | None:
+        """Return a file that travels with the log, whether or not its index is whole; None if it is not there whole."""
+        try:
+            for record in self._records.heads():
+                if record.opcode == Opcode.ATTACHMENT and self._attachment_name(record) == name:
+                    return attachment_content(self._records.body(record))
+        except DAMAGE:
+            pass
+        return None
+
+    def _attachment_name(self, record: Record) -> str:
+        head = self._records.body(replace(record, length=min(record.length, _ATTACHMENT_HEAD_BYTES)))
+        return read_stream(head[_ATTACHMENT_TIMES_BYTES:]).read_prefixed_string()
+
+    def _find_identity(self) -> Identity:
+        """Return what the log says of its run, from the first of its two records that can be read."""
+        problem = ""
+        try:
+            for record in self._records.heads():
+                if record.opcode == Opcode.METADATA:
+                    try:
+                        metadata = Metadata.read(read_stream(self._records.body(record)))
+                        if metadata.name in (METADATA_AT_START, METADATA):
+                            return read_identity(metadata.metadata)
+                    except DAMAGE:
+                        problem = f"byte {record.offset}: what it says of its run cannot be read"
+        except DamageError as error:
+            problem = problem or str(error)
+        if problem:
+            raise DamagedLogError(self.path, f"nothing can be read of it: {problem}", "run it again")
+        raise LogError(self.path, "is an MCAP file, but says nothing of a run of closecall", NAME_A_LOG)
+
+    def _data(self) -> Iterator[tuple[Record, bytes]]:
+        """Yield the records that hold messages or tell of them; check all others, and the end."""
+        crc = zlib.crc32(MCAP0_MAGIC)
+        try:
+            for record in self._records.heads():
+                self._offset = record.offset
+                if record.opcode in _MESSAGE_OPCODES:
+                    body = self._records.body(record)
+                    crc = zlib.crc32(body, zlib.crc32(RECORD_HEAD.pack(record.opcode, record.length), crc))
+                    yield record, body
+                elif record.opcode != Opcode.DATA_END:
+                    crc = self._records.checksum(record, crc)
+                elif not self._faults:  # for the checksum would not match again
+                    self._check_end(record, crc)
+        except DamageError as error:
+            self._faults.append(error)
+            self._stopped = True
+
+    def _check_end(self, data_end: Record, crc: int) -> None:
+        try:
+            self._records.require_whole(data_end, crc)
+        except DamageError as error:
+            self._faults.append(error)
+
+    def _inner(self, data: bytes) -> Iterator[tuple[Source, int, bytes]]:
+        """Yield the messages wanted among records without damage, and take note of the channels.
+
+        Raises:
+            one of `DAMAGE`: for records that are not as they say.
+        """
+        offset, size = 0, len(data)
+        while offset < size:
+            opcode, length = RECORD_HEAD.unpack_from(data, offset)
+            offset += RECORD_HEAD.size
+            end = offset + length
+            if end > size:
+                raise ValueError("a message ends outside its chunk")
+            if opcode == Opcode.MESSAGE:
+                channel, _, log_time, _ = _MESSAGE_HEAD.unpack_from(data, offset)
+                if log_time > self._latest:
+                    self._latest = log_time
+                if channel not in self._sources and channel not in self._others:
+                    self._look_up(channel)
+                source = self._sources.get(channel)
+                if source is not None:
+                    yield source, log_time, data[offset + _MESSAGE_HEAD.size : end]
+            elif opcode == Opcode.SCHEMA:
+                schema = Schema.read(read_stream(data[offset:end]))
+                self._schemas[schema.id] = schema.name
+            elif opcode == Opcode.CHANNEL:
+                self._add_channel(Channel.read(read_stream(data[offset:end])))
+            offset = end
+
+    def _add_channel(self, channel: Channel) -> None:
+        if not self._wanted or any(f"{channel.topic}/".startswith(f"{topic}/") for topic in self._wanted):
+            self._sources[channel.id] = Source(channel.topic, message_type(self._schemas.get(channel.schema_id, "")))
+        else:
+            self._others.add(channel.id)
+
+    def _look_up(self, channel: int) -> None:
+        """Take note of the channels by the index at the end, for the chunk that told of this one was lost."""
+        index = read_index(self._file)
+        self._schemas.update((schema.id, schema.name) for schema in index.schemas.values())
+        for told in index.channels.values():
+            self._add_channel(told)
+        if channel not in index.channels:
+            raise ValueError("a message is of a topic that is told nowhere")
 
 
-def read_attachment(path: Path, name: str) -> bytes:
-    """Return a file that travels with a finished log, its checksum verified.
-
-    Raises:
-        LogError: for a file that is missing, unfinished, damaged, or holds no such attachment.
-    """
-    try:
-        if not path.is_file():
-            problem = "is not a plain file" if path.exists() else "does not exist"
-            raise LogError(path, problem, "name a log that closecall wrote")
-        with path.open("rb") as file:
-            _require_both_ends(path, file)
-            return _attachment_data(path, file, name)
-    except OSError as error:
-        raise LogError(path, f"cannot read: {error.strerror or error}", "check the file and its folder") from error
-
-
-class _BoundedFile:
-    """A file that reads no more than it has, for `read(length)` sets aside `length` bytes, however wrong."""
-
-    def __init__(self, file: IO[bytes]) -> None:
-        self._file = file
-        self._size = os.fstat(file.fileno()).st_size
-        self.seek = file.seek
-        self.tell = file.tell
-
-    def read(self, length: int) -> bytes:
-        return self._file.read(max(0, min(length, self._size - self._file.tell())))
-
-
-def _require_both_ends(path: Path, file: IO[bytes]) -> None:
-    magic = MCAP0_MAGIC
-    if file.read(len(magic)) != magic:
-        raise LogError(path, "is not an MCAP file", "name a log that closecall wrote")
-    file.seek(-len(magic), os.SEEK_END)
-    if file.tell() == 0 or file.read(len(magic)) != magic:
-        remedy = "run it again, or read what is there with `mcap recover`"
-        raise LogError(path, "is unfinished: the run that wrote it was cut short", remedy)
-
-
-def _attachment_data(path: Path, file: IO[bytes], name: str) -> bytes:
-    try:
-        file.seek(0)
-        summary = SeekingReader(cast(IO[bytes], _BoundedFile(file))).get_summary()
-        indexes = [] if summary is None else summary.attachment_indexes
-        index = next((index for index in indexes if index.name == name), None)
-        if index is None:
-            raise _foreign(path)
-        return _read_indexed(path, file, index)
-    except _DAMAGE as error:
-        raise _damaged(path, "its index cannot be read") from error
-
-
-def _read_indexed(path: Path, file: IO[bytes], index: AttachmentIndex) -> bytes:
-    file.seek(index.offset)
-    record = _BoundedFile(file).read(index.length)[_RECORD_HEAD_BYTES:]
-    content, crc = record[:-_CRC_BYTES], record[-_CRC_BYTES:]
-    if zlib.crc32(content) != int.from_bytes(crc, "little"):
-        raise _damaged(path, f"the checksum of {index.name} does not match")
-    return cast(bytes, Attachment.read(ReadDataStream(BytesIO(record))).data)
-
-
-def _refuse_constant(name: str) -> NoReturn:
-    raise ValueError(f"{name} is not JSON")
-
-
-def _damaged(path: Path, problem: str) -> LogError:
-    return LogError(path, f"is damaged: {problem}", "run it again, or read what is there with `mcap recover`")
-
-
-def _foreign(path: Path) -> LogError:
-    return LogError(path, "is an MCAP file, but closecall did not write it", "name a log that closecall wrote")
+@cache
+def message_type(schema: str) -> type[Message] | None:
+    """Return the type of messages of this full name; None for one that closecall does not write."""
+    package, _, name = schema.partition(".")
+    if package == "closecall" and name in pb.DESCRIPTOR.message_types_by_name:
+        return cast("type[Message]", getattr(pb, name))
+    if package == "foxglove" and name in _FOXGLOVE:
+        return cast("type[Message]", getattr(import_module(f"foxglove_schemas_protobuf.{name}_pb2"), name))
+    return None

@@ -114,13 +114,14 @@ class _PairFindings:
     upper_time: float = inf
     queries: list[int] = field(default_factory=lambda: [0] * len(LEVELS))
 
-    def add_distance(self, event: Distance) -> None:
-        self.upper, self.upper_time = min((self.upper, self.upper_time), (event.distance, event.time))
+    def add_distance(self, distance: float, time: float) -> None:
+        if distance < self.upper or (distance == self.upper and time < self.upper_time):  # no for NaN
+            self.upper, self.upper_time = distance, time
 
-    def add_span(self, event: Span) -> None:
-        self.rank = min(self.rank, _RANKS[event.verdict])
-        certified = event.verdict is not Verdict.CONTACT and event.clearance > 0  # no for NaN
-        self.lower = min(self.lower, event.clearance if certified else 0.0)
+    def add_span(self, verdict: Verdict, clearance: float) -> None:
+        self.rank = min(self.rank, _RANKS[verdict])
+        certified = verdict is not Verdict.CONTACT and clearance > 0  # no for NaN
+        self.lower = min(self.lower, clearance if certified else 0.0)
 
     def verdict(self) -> str:
         """Return the worst verdict; nothing is proved of a pair without spans."""
@@ -142,11 +143,11 @@ class _Brackets:
     begins: list[tuple[float, float]] = field(default_factory=list)
     ends: list[tuple[float, float]] = field(default_factory=list)
 
-    def add(self, event: Collision) -> None:
-        if event.phase is Phase.BEGIN:
-            self.begins.append((event.time_clear, event.time_touching))
+    def add(self, phase: Phase, time_clear: float, time_touching: float) -> None:
+        if phase is Phase.BEGIN:
+            self.begins.append((time_clear, time_touching))
         else:
-            self.ends.append((event.time_touching, event.time_clear))
+            self.ends.append((time_touching, time_clear))
 
     def pairs(self) -> list[tuple[list[float], list[float] | None]]:
         """Return each contact's begin and end in time order, in whatever order they were found: both alternate."""
@@ -155,94 +156,137 @@ class _Brackets:
         return [(begin, end) for begin, end in zip_longest(begins, ends) if begin is not None]
 
 
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """What a summary says of its run that the facts do not.
+
+    Attributes:
+        name: of a body, by its index in document order.
+        time: s, from and to.
+        settings: in SI, under the scene file's keys.
+        pairs_total: how many pairs the rules let be checked, with those that the broad phase clears.
+        pairs_ignored: how many pairs only the rules keep from it.
+        chord_error: m, of a body.
+        margin: m, of a pair of bodies.
+    """
+
+    name: Callable[[int], str]
+    time: tuple[float, float]
+    settings: dict[str, float | None]
+    pairs_total: int
+    pairs_ignored: int
+    chord_error: Callable[[int], float]
+    margin: Callable[[int, int], float]
+
+
+def subject_of(scene: Scene, settings: Settings, pairs_total: int) -> Subject:
+    """Return what the summary of a scene's run says beside its facts."""
+    names = tuple(body.name for body in scene.bodies)
+    chord_errors = tuple(body.chord_error for body in scene.bodies)
+    return Subject(
+        name=names.__getitem__,
+        time=(scene.start, scene.end),
+        settings=asdict(settings),
+        pairs_total=pairs_total,
+        pairs_ignored=count_pairs(scene).ignored,
+        chord_error=chord_errors.__getitem__,
+        margin=lambda a, b: scene.rules.margin(a, b, settings.margin),
+    )
+
+
 class SummaryBuilder:
-    """Folds a run's events into its summary. Memory grows with pairs, contacts and unresolved spans alone.
+    """Folds a run's facts into its summary, in any order. Memory grows with pairs, contacts and unresolved spans alone.
 
     Args:
-        scene: for the names of the bodies and the time range.
-        settings: as resolved for this run.
-        pairs_total: how many pairs the rules let be checked, with those that the broad phase clears.
+        subject: what the summary says beside the facts.
         keys_around: the named keys that a body is between at a time (s), empty for none.
     """
 
     def __init__(
-        self,
-        scene: Scene,
-        settings: Settings,
-        pairs_total: int,
-        keys_around: Callable[[int, float], tuple[str, str]] = lambda body, time: ("", ""),
+        self, subject: Subject, keys_around: Callable[[int, float], tuple[str, str]] = lambda body, time: ("", "")
     ) -> None:
-        self._scene = scene
-        self._names = tuple(body.name for body in scene.bodies)
-        self._chord_errors = tuple(body.chord_error for body in scene.bodies)
+        self._subject = subject
         self._keys_around = keys_around
-        self._time = (scene.start, scene.end)
-        self._settings = settings
-        self._pairs_total = pairs_total
-        self._pairs_ignored = count_pairs(scene).ignored
         self._findings: dict[int, _PairFindings] = {}
         self._brackets: defaultdict[int, _Brackets] = defaultdict(_Brackets)
-        self._breaches: defaultdict[int, list[tuple[float, float]]] = defaultdict(list)
-        self._unresolved: defaultdict[int, list[tuple[float, float]]] = defaultdict(list)
-        self._possible: defaultdict[int, list[tuple[float, float]]] = defaultdict(list)
+        self._spans: dict[Verdict, defaultdict[int, list[tuple[float, float]]]] = {
+            verdict: defaultdict(list) for verdict in (Verdict.BREACH, Verdict.UNRESOLVED, Verdict.POSSIBLE)
+        }
 
     def add(self, event: Event) -> None:
-        """Fold one more event, in any order; windows, and snapshots, which prove nothing, are passed over."""
-        if isinstance(event, Window | Snapshot):
-            return
-        pair = event.pair
+        """Fold one more event; windows, and snapshots, which prove nothing, are passed over."""
+        match event:
+            case Wakeup():
+                self.add_wakeup(event.pair, event.level)
+            case Distance():
+                self.add_distance(event.pair, event.distance, event.time)
+            case Collision():
+                self.add_collision(event.pair, event.phase, event.time_clear, event.time_touching)
+            case Span():
+                self.add_span(event.pair, event.verdict, event.start, event.end, event.clearance)
+            case Window() | Snapshot():
+                pass
+
+    def add_wakeup(self, pair: PairKey, level: Level) -> None:
+        """Count a wakeup by what answered it."""
+        self._findings_of(pair).queries[_LEVEL_RANKS[level]] += 1
+
+    def add_distance(self, pair: PairKey, distance: float, time: float) -> None:
+        """Fold an exact distance, m, taken at a time, s."""
+        self._findings_of(pair).add_distance(distance, time)
+
+    def add_collision(self, pair: PairKey, phase: Phase, time_clear: float, time_touching: float) -> None:
+        """Fold one end of a contact, bracketed in s."""
+        self._findings_of(pair).rank = _RANKS[Verdict.CONTACT]
+        self._brackets[pair.id].add(phase, time_clear, time_touching)
+
+    def add_span(self, pair: PairKey, verdict: Verdict, start: float, end: float, clearance: float) -> None:
+        """Fold what is proved from start to end, s, with the clearance, m, certified there."""
+        self._findings_of(pair).add_span(verdict, clearance)
+        if verdict in self._spans:
+            self._spans[verdict][pair.id].append((start, end))
+
+    def _findings_of(self, pair: PairKey) -> _PairFindings:
         findings = self._findings.get(pair.id)
         if findings is None:
             findings = self._findings[pair.id] = _PairFindings(pair)
-        match event:
-            case Wakeup():
-                findings.queries[_LEVEL_RANKS[event.level]] += 1
-            case Distance():
-                findings.add_distance(event)
-            case Collision():
-                findings.rank = _RANKS[Verdict.CONTACT]
-                self._brackets[pair.id].add(event)
-            case Span():
-                findings.add_span(event)
-                if event.verdict is Verdict.UNRESOLVED:
-                    self._unresolved[pair.id].append((event.start, event.end))
-                elif event.verdict is Verdict.BREACH:
-                    self._breaches[pair.id].append((event.start, event.end))
-                elif event.verdict is Verdict.POSSIBLE:
-                    self._possible[pair.id].append((event.start, event.end))
+        return findings
 
     def summary(self) -> Summary:
         """Return the summary of the events so far, its pairs by `pair_id`."""
         pairs = [self._pair_summary(findings) for _, findings in sorted(self._findings.items())]
         return {
             "closecall": __version__,
-            "time": list(self._time),
-            "settings": asdict(self._settings),
-            "pairs_total": self._pairs_total,
-            "pairs_ignored": self._pairs_ignored,
+            "time": list(self._subject.time),
+            "settings": self._subject.settings,
+            "pairs_total": self._subject.pairs_total,
+            "pairs_ignored": self._subject.pairs_ignored,
             "pairs": pairs,
             "totals": self._totals(pairs),
         }
 
     def _pair_summary(self, findings: _PairFindings) -> PairSummary:
         key = findings.key
-        body_a, body_b = self._names[key.a], self._names[key.b]
-        chord_error = self._chord_errors[key.a] + self._chord_errors[key.b]
+        body_a, body_b = self._subject.name(key.a), self._subject.name(key.b)
+        chord_error = self._subject.chord_error(key.a) + self._subject.chord_error(key.b)
         return {
             "pair": f"{body_a}|{body_b}",
             "body_a": body_a,
             "body_b": body_b,
             "verdict": findings.verdict(),
-            "margin": self._scene.rules.margin(key.a, key.b, self._settings.margin),
+            "margin": self._subject.margin(key.a, key.b),
             "distance": findings.distance(chord_error),
             "chord_error": chord_error,
             "contacts": self._contacts(key),
-            "breaches": [list(span) for span in sorted(self._breaches.get(key.id, ()))],
-            "unresolved": [list(span) for span in sorted(self._unresolved.get(key.id, ()))],
-            "possible": [list(span) for span in sorted(self._possible.get(key.id, ()))],
+            "breaches": self._spans_of(key, Verdict.BREACH),
+            "unresolved": self._spans_of(key, Verdict.UNRESOLVED),
+            "possible": self._spans_of(key, Verdict.POSSIBLE),
             "wakeups": sum(findings.queries),
             "queries": {level.name.lower(): count for level, count in zip(LEVELS, findings.queries, strict=True)},
         }
+
+    def _spans_of(self, key: PairKey, verdict: Verdict) -> list[list[float]]:
+        return [list(span) for span in sorted(self._spans[verdict].get(key.id, ()))]
 
     def _contacts(self, key: PairKey) -> list[Contact]:
         brackets = self._brackets.get(key.id)
@@ -252,12 +296,12 @@ class SummaryBuilder:
 
     def _keys(self, key: PairKey, time: float) -> dict[str, list[str]]:
         """Return the keys around a time (s), for those bodies of a pair that have any."""
-        around = {self._names[body]: list(self._keys_around(body, time)) for body in (key.a, key.b)}
+        around = {self._subject.name(body): list(self._keys_around(body, time)) for body in (key.a, key.b)}
         return {name: keys for name, keys in around.items() if any(keys)}
 
     def _totals(self, pairs: list[PairSummary]) -> Totals:
         verdicts = {verdict.name.lower(): 0 for verdict in SEVERITY}
-        verdicts["clear"] = self._pairs_total - len(pairs)
+        verdicts["clear"] = self._subject.pairs_total - len(pairs)
         for pair in pairs:
             verdicts[pair["verdict"]] += 1
         levels = [level.name.lower() for level in LEVELS]

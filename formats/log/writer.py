@@ -28,16 +28,16 @@ from .contents import (
     SCENE,
     SETTINGS,
     SUMMARY,
-    identity,
     input_bytes,
     input_files,
     settings_json,
 )
 from .errors import LogError
 from .facts import FactFiller
+from .identity import identity
 from .output import Output
 from .pipe import STDOUT, Pipe
-from .summary import Summary, SummaryBuilder, to_json
+from .summary import Summary, SummaryBuilder, subject_of, to_json
 from .viewer.viewer import Viewer, ViewerOptions
 
 # The file counts its channels with 16 bits; the topics that are not of a body have the rest.
@@ -103,7 +103,7 @@ class LogWriter:
         self._require_topics()
         self._identity = identity(loaded, settings, pairs_total, options.epoch)
         self._filler = FactFiller(tuple(body.name for body in loaded.scene.bodies), loaded.key_names)
-        self._summary = SummaryBuilder(loaded.scene, settings, pairs_total, self._filler.keys_around)
+        self._summary = SummaryBuilder(subject_of(loaded.scene, settings, pairs_total), self._filler.keys_around)
         wakeup, distance, collision, span, log = pb.Wakeup(), pb.Distance(), pb.Collision(), pb.Span(), Log()
         window = pb.Window()
         log.name = "closecall"
