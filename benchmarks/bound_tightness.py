@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from closecall.scheduler.bounds import longest_sleep, time_bound
-from closecall.scheduler.chain import Chain, Joint, Moment
+from closecall.scheduler.chain import Chain, Joint, Moment, Part
 from closecall.scheduler.extent import Ball, Extent
 from closecall.scheduler.motions import Motion
 
@@ -74,11 +74,11 @@ def straight_ratios(
 ) -> tuple[float, float]:
     """Return the ratios of way and sleep of the lecture's bound, which looks no farther than the next knot."""
     horizon = min(duration, chain.knot_after(moment.time) - moment.time)
-    _, v, w = chain.twist(moment)
+    _, v, w = moment.twist
     rates = chain.rates(moment, horizon * (1 - 1e-9))
-    speed = float(np.linalg.norm(v) + np.linalg.norm(w) * chain.radius)
+    speed = float(np.linalg.norm(v) + np.linalg.norm(w) * chain.radius(Part.WHOLE))
     acceleration = float(np.linalg.norm(rates.steady)) + rates.acceleration
-    acceleration += (rates.angular_acceleration + rates.angular_speed**2) * chain.radius
+    acceleration += (rates.angular_acceleration + rates.angular_speed**2) * chain.radius(Part.WHOLE)
     before = away[times <= horizon]
     farthest = float(np.max(before))
     if farthest < LEAST_WAY:

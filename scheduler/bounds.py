@@ -19,11 +19,13 @@ def time_bound(clearance: float, speed: float, acceleration: float) -> float:
 
     Args:
         clearance: m, lower bound on the distance now, >= 0.
-        speed: m/s, upper bound over ALL pairs of points now, not the witnesses alone.
-        acceleration: m/s^2, upper bound over the whole sleep.
+        speed: m/s, upper bound over ALL pairs of points now, not the witnesses alone; negative where they part.
+        acceleration: m/s^2, upper bound over the whole sleep, >= 0.
     """
-    closing = speed + hypot(speed, sqrt(2.0 * acceleration * clearance))
-    return inf if closing == 0.0 else 2.0 * clearance / closing
+    spread = hypot(speed, sqrt(2.0 * acceleration * clearance))
+    if speed < 0.0:
+        return (spread - speed) / acceleration if acceleration > 0.0 else inf
+    return 2.0 * clearance / (speed + spread) if speed + spread > 0.0 else inf
 
 
 def spendable(clearance: float) -> float:

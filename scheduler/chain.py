@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum, auto
 from functools import cached_property
 from math import inf
 from typing import NamedTuple
@@ -13,12 +14,20 @@ from numpy.typing import NDArray
 from .extent import Extent
 from .motions import Axis, Fixed, Interval, Limits, Motion, Rates, Reach
 from .motions.spread import STILL, Spread, across, ball, shared
-from .rotation import FloatArray, mapped, translation_of, turned
+from .rotation import FloatArray, crossed, mapped, translation_of, turned
 from .scene import Body
 from .vector import ZERO, Vector, add, cross, distance_to_line, dot, norm, scale, subtract
 
 _WORLD: FloatArray = np.eye(4)
 _AT_REST = Rates(0.0, STILL, 0.0, 0.0)
+
+
+class Part(Enum):
+    """Which points of a body are meant: all, those that span it before they are rounded, or the middle of its ball."""
+
+    WHOLE = auto()
+    CORE = auto()
+    CENTRE = auto()
 
 
 class Twist(NamedTuple):
@@ -28,11 +37,24 @@ class Twist(NamedTuple):
     velocity: Vector
     angular_velocity: Vector
 
+    def of(self, point: Vector) -> Vector:
+        """Return the velocity (m/s) of a point (m) that moves with the frame."""
+        return add(self.velocity, cross(self.angular_velocity, subtract(point, self.origin)))
+
     def at(self, points: FloatArray) -> FloatArray:
         """Return the velocities (..., 3) m/s of points (..., 3) m that move with the frame."""
         arms = points - np.array(self.origin)
-        turning: FloatArray = np.cross(np.array(self.angular_velocity), arms)
-        return np.array(self.velocity) + turning
+        return np.array(self.velocity) + crossed(np.array(self.angular_velocity), arms)
+
+    def along(self, directions: FloatArray, points: FloatArray) -> FloatArray:
+        """Return the velocities (d, n) m/s along directions (d, 3) of points (n, 3) m that move with the frame."""
+        arms = points - np.array(self.origin)
+        turning = crossed(directions, np.array(self.angular_velocity))
+        along: FloatArray = (directions @ np.array(self.velocity))[:, None] + turning @ arms.T
+        return along
+
+
+_STILL = Twist(ZERO, ZERO, ZERO)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,6 +79,7 @@ class Moment:
         centre: of the body's ball, in the ancestor's frame.
         reaches: of the body's points in each joint's moved frame, everything below frozen at `time`.
         frames: 4x4 a joint, ancestor_from_rest of it.
+        twist: how the last moved frame moves in the ancestor's frame.
     """
 
     time: float
@@ -64,6 +87,7 @@ class Moment:
     centre: Vector
     reaches: tuple[Reach, ...]
     frames: tuple[FloatArray, ...]
+    twist: Twist
 
 
 class Chain:
@@ -92,12 +116,13 @@ class Chain:
             reaches.append(_ball_reach(joint.motion.axis, centre, self.ball.radius) if reaches else self._own_reach)
             centre = mapped(pose, centre)
         frames: list[FloatArray] = []
-        above: FloatArray | None = None
+        above, twist = _WORLD, _STILL
         for joint, pose in zip(self.joints, placed, strict=True):
-            frames.append(joint.rest if above is None else above @ joint.rest)
-            above = pose if above is None else above @ pose
-        assert above is not None
-        return Moment(t, above @ self.tail, centre, tuple(reversed(reaches)), tuple(frames))
+            frames.append(above @ joint.rest)
+            twist = _carried(twist, above, pose, frames[-1], joint.motion.velocities(t))
+            above = above @ pose
+        twist = twist._replace(origin=translation_of(above))
+        return Moment(t, above @ self.tail, centre, tuple(reversed(reaches)), tuple(frames), twist)
 
     def displacement(self, moment: Moment, duration: float) -> float:
         """Return D >= |x(t + s) - x(t)| (m) of every point of the body in the ancestor's frame, 0 <= s <= duration.
@@ -121,18 +146,6 @@ class Chain:
             total += joint.motion.path_length(moment.time, duration, grown)
             below += joint.motion.displacement(moment.time, duration, reach)
         return total
-
-    def twist(self, moment: Moment) -> Twist:
-        """Return how the last moved frame moves in the ancestor's frame."""
-        v, w, above = ZERO, ZERO, _WORLD
-        for index, joint in enumerate(self.joints):
-            frame = moment.frames[index]
-            local_v, local_w = joint.motion.velocities(moment.time)
-            arm = turned(above, translation_of(joint.rest @ joint.motion.pose(moment.time)))
-            v = add(add(v, cross(w, arm)), turned(frame, local_v))
-            w = add(w, turned(frame, local_w))
-            above = frame @ joint.motion.pose(moment.time)
-        return Twist(translation_of(above), v, w)
 
     def rates(self, moment: Moment, duration: float) -> Rates:
         """Return suprema over [t, t + duration] of the last moved frame's rates in the ancestor's frame.
@@ -163,18 +176,19 @@ class Chain:
 
     def fastest(self, twist: Twist) -> float:
         """Return above the speed (m/s) of every point of the body and of the terms that it is the sum of."""
-        return norm(twist.velocity) + norm(twist.angular_velocity) * self.radius
+        return norm(twist.velocity) + norm(twist.angular_velocity) * self.radius(Part.WHOLE)
 
-    @property
-    def radius(self) -> float:
-        """The farthest (m) that a point of the body lies from the last moved frame's origin."""
-        return self._own_reach.radius if self.joints else 0.0
+    def radius(self, part: Part) -> float:
+        """Return the farthest (m) that a point of a part of the body lies from the last moved frame's origin."""
+        return self._radii[part]
 
     @cached_property
-    def core_radius(self) -> float:
-        """The same of the points that span the body, before they are rounded."""
+    def _radii(self) -> dict[Part, float]:
+        if not self.joints:
+            return dict.fromkeys(Part, 0.0)
         placed = self.extent.points @ self.tail[:3, :3].T + self.tail[:3, 3]
-        return float(np.max(np.linalg.norm(placed, axis=1))) if self.joints else 0.0
+        core = float(np.max(np.linalg.norm(placed, axis=1)))
+        return {Part.WHOLE: self._own_reach.radius, Part.CORE: core, Part.CENTRE: norm(self._last_centre)}
 
     def knot_after(self, t: float) -> float:
         """Return the first time > t at which a rate of any joint jumps (inf: none)."""
@@ -209,7 +223,22 @@ class Chain:
 
     @cached_property
     def _still(self) -> Moment:
-        return Moment(0.0, self.tail, self._last_centre, (), ())
+        return Moment(0.0, self.tail, self._last_centre, (), (), _STILL)
+
+
+def _carried(
+    twist: Twist, above: FloatArray, placed: FloatArray, frame: FloatArray, velocities: tuple[Vector, Vector]
+) -> Twist:
+    """Return the twist of a frame that moves with `velocities` (m/s, rad/s) in `frame`, carried by the one above.
+
+    Args:
+        twist: of the frame above.
+        above, placed, frame: 4x4, ancestor_from_above, above_from_moved, ancestor_from_rest.
+        velocities: of the moved frame in its rest frame.
+    """
+    arm = turned(above, translation_of(placed))
+    v = add(add(twist.velocity, cross(twist.angular_velocity, arm)), turned(frame, velocities[0]))
+    return Twist(twist.origin, v, add(twist.angular_velocity, turned(frame, velocities[1])))
 
 
 def _in_frame(joint: Joint, frame: FloatArray, t: float, duration: float) -> Rates:
@@ -298,7 +327,7 @@ def _exact_reach(axis: Axis | None, tail: FloatArray, extent: Extent) -> Reach:
     radius = float(np.max(np.linalg.norm(points, axis=1) + extent.radii))
     if axis is None:
         return Reach(radius, radius)
-    arms = np.cross(points - np.array(axis.point), np.array(axis.direction))
+    arms = crossed(points - np.array(axis.point), np.array(axis.direction))
     return Reach(radius, float(np.max(np.linalg.norm(arms, axis=1) + extent.radii)))
 
 

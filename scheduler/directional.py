@@ -19,7 +19,7 @@ from .bounds import RELATIVE_ROUNDING
 from .chain import Twist
 from .nearby import NearTriangles
 from .relative import Approach
-from .rotation import FloatArray
+from .rotation import FloatArray, crossed
 from .segments import ways_between
 from .vector import Vector
 
@@ -27,6 +27,8 @@ from .vector import Vector
 SHORTEST = 1e-150
 #: So many pairs of triangles get directions of their own at first; twice as many each time that is not enough.
 FIRST_PAIRS = 64
+#: The next corner of each.
+NEXT = [1, 2, 0]
 #: Directions of a pair's own: two normals, nine cross products of edges, the way between the nearest points.
 OWN_DIRECTIONS = 12
 
@@ -151,9 +153,9 @@ def axes_between(one: FloatArray, other: FloatArray) -> FloatArray:
     The separating axes of two triangles (k, 3, 3): their normals and the cross products of their edges; and for their
     corners the way between the nearest points.
     """
-    sides, others = np.roll(one, -1, axis=1) - one, np.roll(other, -1, axis=1) - other
-    normals = np.stack((np.cross(sides[:, 0], sides[:, 1]), np.cross(others[:, 0], others[:, 1])), axis=1)
-    crosses = np.cross(sides[:, :, None], others[:, None, :]).reshape(-1, 9, 3)
+    sides, others = one[:, NEXT] - one, other[:, NEXT] - other
+    normals = np.stack((crossed(sides[:, 0], sides[:, 1]), crossed(others[:, 0], others[:, 1])), axis=1)
+    crosses = crossed(sides[:, :, None], others[:, None, :]).reshape(-1, 9, 3)
     across = _between_nearest_points(one, other, sides, others)
     found = np.concatenate((normals, crosses, across[:, None]), axis=1)
     found = units(found)
@@ -164,7 +166,7 @@ def axes_between(one: FloatArray, other: FloatArray) -> FloatArray:
 
 def units(vectors: FloatArray) -> FloatArray:
     """Return vectors (..., 3) at length 1; zero where they point nowhere."""
-    lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    lengths = np.sqrt((vectors * vectors).sum(axis=-1, keepdims=True))
     scaled: FloatArray = np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > SHORTEST)
     return scaled
 

@@ -10,6 +10,8 @@ from .pair import Measurement, Pair
 
 #: After a contact that was too shallow to sleep on, this many steps are taken before its depth is asked again.
 STEPS_BETWEEN = 8
+#: So many steps that depth allows are not worth a look at the triangles that meet.
+STEPS_ENOUGH = 16.0
 #: Overlaps are first looked at this many steps ahead: farther, motions vary more.
 STEPS_AHEAD = 64.0
 
@@ -29,7 +31,8 @@ class Hold:
             self._steps_left -= 1
             return 0.0, Bound.TIME_RESOLUTION
         sleep, bound = self._while_deep(self._pair.depth(touching), touching, horizon)
-        if sleep < horizon and touching.inside is None and not self._pair.possible:
+        enough = min(horizon, STEPS_ENOUGH * self._least)
+        if sleep < enough and touching.inside is None and not self._pair.possible:
             sleep, bound = _longer((sleep, bound), self._while_overlapping(touching, horizon))
         if sleep <= self._least:
             self._steps_left = STEPS_BETWEEN

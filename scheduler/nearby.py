@@ -13,7 +13,7 @@ from .rotation import FloatArray
 #: More pairs of triangles than this are not looked at one by one: measuring anew is cheaper.
 MOST_TRIANGLE_PAIRS = 2_000
 #: The same for pairs of bounding boxes.
-MOST_BOX_PAIRS = 400_000
+MOST_BOX_PAIRS = 30_000
 #: So many neighbouring triangles share a box.
 GROUP = 8
 #: Relative loss granted to the arithmetic of what is near.
@@ -91,16 +91,21 @@ def near_pairs(
         return None
     placed, place = np.unique(j, return_inverse=True)
     moved = other.corners[other.members(placed)] @ relative.T + shift  # (groups, GROUP, corner, 3)
-    low, high = moved.min(axis=2)[place], moved.max(axis=2)[place]
+    low, high = moved.min(axis=2), moved.max(axis=2)  # (groups, GROUP, 3)
     ours, theirs = one.members(i), other.members(j)
     mine = one.boxes[:, ours]
-    near = _within(mine[0][:, :, None], mine[1][:, :, None], low[:, None], high[:, None], limit)
-    near &= _first_of_each(i, len(one.corners))[:, :, None] & _first_of_each(j, len(other.corners))[:, None]
-    k, m, n = np.nonzero(near)
-    if len(k) > MOST_TRIANGLE_PAIRS:
+    ends_low, ends_high = low.min(axis=1)[place], high.max(axis=1)[place]
+    first = _within(mine[0], mine[1], ends_low[:, None], ends_high[:, None], limit)
+    second = _within(low[place], high[place], one.low[i][:, None], one.high[i][:, None], limit)
+    first &= _first_of_each(i, len(one.corners))
+    second &= _first_of_each(j, len(other.corners))
+    k, m, n = np.nonzero(first[:, :, None] & second[:, None])
+    near = _within(mine[0][k, m], mine[1][k, m], low[place[k], n], high[place[k], n], limit)
+    if np.count_nonzero(near) > MOST_TRIANGLE_PAIRS:
         return None
-    found = one.corners[ours[k, m]] @ pose_one[:3, :3].T + pose_one[:3, 3]
-    return found, other.corners[theirs[k, n]] @ pose_other[:3, :3].T + pose_other[:3, 3]
+    first_rows, second_rows = ours[k[near], m[near]], theirs[k[near], n[near]]
+    found = one.corners[first_rows] @ pose_one[:3, :3].T + pose_one[:3, 3]
+    return found, other.corners[second_rows] @ pose_other[:3, :3].T + pose_other[:3, 3]
 
 
 def _neighbours_together(centres: FloatArray) -> NDArray[np.intp]:

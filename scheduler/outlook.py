@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf
-
+from .ball_slab import BallSlab
 from .bounds import shortened, spendable
 from .directional import Slabs
 from .events import Bound
@@ -14,7 +13,7 @@ from .slab import Slab
 #: The directional bound is asked where the others allow fewer than this many steps of the floor.
 STEPS_TOO_FEW = 16.0
 #: It looks this many times as far ahead as they do: farther, more triangles are within reach.
-LOOKAHEAD = 16.0
+LOOKAHEAD = 4.0
 #: Triangles are not looked at one by one where a slab between the whole bodies lasts this share of that.
 WHOLE_SUFFICES = 0.25
 
@@ -27,9 +26,10 @@ class Outlook:
         self._pair = pair
         self._measurement = measurement
         self._keeps = keeps
+        self._balls: BallSlab | None = None
         self._slab: Slab | None = None
         self._slabs: Slabs | None = None
-        self._looked = self._looked_whole = 0.0  # s ahead
+        self._looked = self._looked_whole = self._looked_between_balls = 0.0  # s ahead
 
     def sleep(self, horizon: float, floor: float) -> tuple[float, Bound]:
         """Return the longest sleep (s, <= horizon) proved to keep the bodies apart, and the bound that allows it.
@@ -39,8 +39,14 @@ class Outlook:
             floor: s, the least step that will be taken.
         """
         here = self._measurement
+        balls = self._between_balls(horizon).sleep(self._keeps)
+        if balls >= horizon:
+            return horizon, Bound.DIRECTIONAL
         spare = max(0.0, spendable(here.clearance) - self._keeps)  # as `proof` has it
         sleep, bound = self._pair.motion.sleep(here.moments, here.time, spare, horizon)
+        balls = shortened(here.time, balls)
+        if balls > sleep:
+            sleep, bound = balls, Bound.DIRECTIONAL
         if sleep >= min(horizon, STEPS_TOO_FEW * floor):
             return sleep, bound
         ahead = min(horizon, LOOKAHEAD * max(sleep, floor))
@@ -58,10 +64,19 @@ class Outlook:
         if self._slab is None and self._slabs is None and proof.clearance <= self._keeps:
             self._whole(duration)
             self._look(duration)
-        parted = -inf if self._slab is None else self._slab.clearance(duration)
+        parted = self._between_balls(duration).clearance(duration)
+        if self._slab is not None:
+            parted = max(parted, self._slab.clearance(duration))
         if self._slabs is not None:
             parted = max(parted, self._slabs.clearance(duration, motion.displacement(here.moments, duration)))
         return Proof(max(proof.clearance, min(parted, here.clearance)), proof.depth_limit)
+
+    def _between_balls(self, duration: float) -> BallSlab:
+        """Return the slab between the bodies' balls, looking at least `duration` s ahead."""
+        if self._balls is None or duration > self._looked_between_balls:
+            self._balls = self._pair.ball_slab(self._measurement, duration, self._keeps)
+            self._looked_between_balls = duration
+        return self._balls
 
     def _whole(self, duration: float) -> float:
         """Return how long (s) a slab between the whole bodies lasts, looking `duration` s ahead; 0 without one."""

@@ -20,7 +20,7 @@ from .chain import Twist
 from .directional import SHORTEST, roots, units
 from .nearby import NearTriangles
 from .relative import Approach
-from .rotation import FloatArray
+from .rotation import FloatArray, crossed
 from .sliver import EPSILON
 
 #: Planes through computed corners may miss P by this many eps times its size and how flat its triangles are.
@@ -64,7 +64,7 @@ class Overlaps:
         size, flatness = _shape(near)
         missed = PLANE_ERROR * size * flatness
         wider = np.where(flatness <= MOST_FLAT, 2.0 * (error + rounding + missed), 0.0) - missed
-        aslant = np.linalg.norm(np.cross(directions, normals), axis=2)
+        aslant = np.linalg.norm(crossed(directions, normals), axis=2)
         left = offsets + thickness + wider[:, None] * aslant - error - rounding[:, None]
         closing = (-(twists[0].at(near.one) @ onto)).max(axis=1) + (twists[1].at(near.other) @ onto).max(axis=1) + slack
         bends = np.maximum(0.0, near_future.varying.along(directions) - directions @ np.array(near_future.steady))
@@ -86,7 +86,7 @@ def proper(near: NearTriangles) -> NearTriangles:
 def _meeting(near: NearTriangles, thickness: FloatArray) -> NearTriangles:
     """Leave out pairs (k,) that the plane of either triangle parts by more than `thickness` (k,) m."""
     sides = [np.roll(corners, -1, axis=1) - corners for corners in (near.one, near.other)]
-    normals = np.stack([units(np.cross(side[:, 0], side[:, 1])) for side in sides], axis=2)  # (k, 3, 2)
+    normals = np.stack([units(crossed(side[:, 0], side[:, 1])) for side in sides], axis=2)  # (k, 3, 2)
     one, other = near.one @ normals, near.other @ normals
     apart = np.maximum(other.min(axis=1) - one.max(axis=1), one.min(axis=1) - other.max(axis=1)).max(axis=1)
     return near.only(apart <= thickness)
@@ -111,7 +111,7 @@ def _across(one: FloatArray, other: FloatArray) -> FloatArray:
 
     A cross product of nearly parallel vectors may lean along them by rounding: that is taken off again.
     """
-    ways = units(np.cross(one, other))
+    ways = units(crossed(one, other))
     for along in (units(one), units(other)):
         ways = units(ways - (ways * along).sum(axis=-1, keepdims=True) * along)
     return ways
@@ -121,7 +121,7 @@ def _heights(corners: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the least heights and the longest sides (k,) m of triangles (k, 3, 3)."""
     sides = np.roll(corners, -1, axis=1) - corners
     longest = np.linalg.norm(sides, axis=2).max(axis=1)
-    doubled = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+    doubled = np.linalg.norm(crossed(sides[:, 0], sides[:, 1]), axis=1)
     return np.divide(doubled, longest, out=np.zeros_like(longest), where=longest > SHORTEST), longest
 
 

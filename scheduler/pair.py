@@ -8,7 +8,8 @@ from math import inf
 
 import numpy as np
 
-from .chain import Twist, common_ancestor, lineage
+from .ball_slab import BallSlab
+from .chain import Part, Twist, common_ancestor, lineage
 from .directional import Slabs
 from .events import Distance, Feature, FeatureKind, Level, PairKey, Verdict
 from .narrow_phase import NarrowPhase
@@ -109,12 +110,15 @@ class Pair:
     def measure(self, t: float) -> Measurement:
         """Measure how far apart the surfaces are at t; whether one is inside the other is asked separately."""
         moments = self.motion.at(t)
-        radii = self.motion.a.ball.radius + self.motion.b.ball.radius
         centres = norm(subtract(moments.a.centre, moments.b.centre))
-        clearance = centres - radii - self.motion.spread(t) - self.error
-        if clearance - self.margin > SPHERES_SUFFICE * radii and not self._round:
+        clearance = centres - self._radii - self.motion.spread(t) - self.error
+        if self.far(clearance) and not self._round:
             return Measurement(t, moments, Level.SPHERE, clearance, inf, self.margin, None)
         return self._measured_exactly(t, moments)
+
+    def far(self, clearance: float) -> bool:
+        """Tell whether a clearance (m) by bounding spheres says enough of a pair."""
+        return clearance - self.margin > SPHERES_SUFFICE * self._radii
 
     def measure_exactly(self, t: float) -> Measurement:
         """Measure the same, but never by bounding spheres alone."""
@@ -162,7 +166,7 @@ class Pair:
             beyond: m, what the triangles that are left out keep as distance until then.
         """
         moments = measurement.moments
-        near = self.motion.approach(moments, duration, cores=True)
+        near = self.motion.approach(moments, duration, Part.CORE)
         reach = self.motion.displacement(moments, near.horizon) * (1.0 + 1e-6) + beyond
         spread = self.motion.spread(measurement.time)
         found = self._triangles_within(moments, reach + spread + 2.0 * self.error)
@@ -186,7 +190,7 @@ class Pair:
         moments = measurement.moments
         proximity = measurement.proximity
         assert proximity is not None
-        near = self.motion.approach(moments, duration, cores=True)
+        near = self.motion.approach(moments, duration, Part.CORE)
         twists, slack = self._twists(moments)
         centre = moments.a.pose[:3, 3]
         chains = zip((self.motion.a, self.motion.b), (moments.a.pose, moments.b.pose), twists, strict=True)
@@ -200,6 +204,23 @@ class Pair:
         slack += self.motion.growth_speed(measurement.time)
         return Slab(one, other, nearest, error, beyond, near, slack)
 
+    def ball_slab(self, measurement: Measurement, duration: float, beyond: float) -> BallSlab:
+        """Return the slab between the bodies' bounding balls at a measurement.
+
+        Args:
+            measurement: of any level.
+            duration: s, how far ahead it may be asked of.
+            beyond: m, the width that it is chosen to keep.
+        """
+        moments, t = measurement.moments, measurement.time
+        near = self.motion.approach(moments, duration, Part.CENTRE)
+        (one, other), slack = self._twists(moments)
+        centre = translation_of(moments.a.pose)
+        closing = subtract(one.of(subtract(moments.a.centre, centre)), other.of(subtract(moments.b.centre, centre)))
+        taken = self._radii + self.motion.spread(t) + self.error
+        slack += self.motion.growth_speed(t)
+        return BallSlab(subtract(moments.b.centre, moments.a.centre), taken, closing, beyond, near, slack)
+
     def overlaps(self, measurement: Measurement, duration: float) -> Overlaps | None:
         """Return the overlaps of touching bodies' triangles, None where there are too many.
 
@@ -211,7 +232,7 @@ class Pair:
         found = self._triangles_within(moments, 2.0 * self.error)
         if found is None:
             return None
-        near = self.motion.approach(moments, duration, cores=True)
+        near = self.motion.approach(moments, duration, Part.CORE)
         twists, slack = self._twists(moments)
         return Overlaps(proper(found), twists, self.error, near, slack)
 
@@ -222,7 +243,7 @@ class Pair:
     def _twists(self, moments: Moments) -> tuple[tuple[Twist, Twist], float]:
         """Return how both bodies move, as seen from the first one's place, and by how much (m/s) that may be wrong."""
         centre = translation_of(moments.a.pose)
-        a, b = self.motion.a.twist(moments.a), self.motion.b.twist(moments.b)
+        a, b = moments.a.twist, moments.b.twist
         slack = CANCELLATION * (self.motion.a.fastest(a) + self.motion.b.fastest(b))
         one, other = (twist._replace(origin=subtract(twist.origin, centre)) for twist in (a, b))
         return (one, other), slack
@@ -251,6 +272,11 @@ class Pair:
             proximity.feature_a(),
             proximity.feature_b(),
         )
+
+    @cached_property
+    def _radii(self) -> float:
+        """The sum of both balls' radii, m."""
+        return self.motion.a.ball.radius + self.motion.b.ball.radius
 
     @cached_property
     def _round(self) -> bool:

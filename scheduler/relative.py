@@ -7,9 +7,9 @@ from math import inf
 from typing import NamedTuple
 
 from .bounds import longest_sleep, shortened, spendable, time_bound, two_sided_clearance
-from .chain import Chain, Moment
+from .chain import Chain, Moment, Part
 from .events import Bound
-from .motions import Interval, Limits
+from .motions import Interval, Limits, Rates
 from .motions.spread import Spread, across, ball
 from .vector import Vector, norm, subtract
 
@@ -77,6 +77,8 @@ class RelativeMotion:
         self.a = a
         self.b = b
         self.unknown = unknown
+        self._asked: tuple[Moments, float] | None = None  # what the rates below are those of
+        self._told: tuple[float, Rates, Rates]
 
     @property
     def rigid(self) -> bool:
@@ -110,20 +112,18 @@ class RelativeMotion:
         moved = self.a.path_length(moments.a, duration) + self.b.path_length(moments.b, duration)
         return moved + self._growth(moments.time, duration)
 
-    def approach(self, moments: Moments, duration: float, cores: bool = False) -> Approach:
+    def approach(self, moments: Moments, duration: float, part: Part = Part.WHOLE) -> Approach:
         """Return the lecture's v and a for a sleep of up to `duration`, no farther than the next knot.
 
-        For all points, or those of the bodies' cores alone, before they are rounded.
+        For the points of a part of each body.
         v = |v_oA - v_oB| + w_A r_A + w_B r_B and a = |a_oA - a_oB| + (al_A + w_A^2) r_A + (al_B + w_B^2) r_B,
         each body's radius about its own frame origin o; v holds at the start, a is the supremum until the horizon.
         """
         t = moments.time
-        knot = min(self.a.knot_after(t), self.b.knot_after(t), *(limits.knot_after(t) for limits in self.unknown))
-        horizon = duration if knot - t > duration else min(duration, shortened(t, knot - t))
-        (_, v_a, w_a), (_, v_b, w_b) = self.a.twist(moments.a), self.b.twist(moments.b)
-        radius_a, radius_b = (self.a.core_radius, self.b.core_radius) if cores else (self.a.radius, self.b.radius)
+        horizon, rates_a, rates_b = self._rates(moments, duration)
+        (_, v_a, w_a), (_, v_b, w_b) = moments.a.twist, moments.b.twist
+        radius_a, radius_b = self.a.radius(part), self.b.radius(part)
         speed = norm(subtract(v_a, v_b)) + norm(w_a) * radius_a + norm(w_b) * radius_b
-        rates_a, rates_b = self.a.rates(moments.a, horizon), self.b.rates(moments.b, horizon)
         steady = subtract(rates_a.steady, rates_b.steady)
         varying = rates_a.varying.plus(rates_b.varying)
         for rates, radius in ((rates_a, radius_a), (rates_b, radius_b)):
@@ -133,6 +133,16 @@ class RelativeMotion:
         lost = CANCELLATION * (norm(rates_a.steady) + norm(rates_b.steady) + varying.size)
         varying = varying.plus(ball(lost + sum(limits.acceleration_after(t) for limits in self.unknown)))
         return Approach(speed, norm(steady) + varying.size, horizon, steady, varying)
+
+    def _rates(self, moments: Moments, duration: float) -> tuple[float, Rates, Rates]:
+        """Return until when (s) no rate jumps, at most `duration`, and both bodies' rates until then."""
+        if self._asked is None or self._asked[0] is not moments or self._asked[1] != duration:
+            t = moments.time
+            knot = min(self.a.knot_after(t), self.b.knot_after(t), *(limits.knot_after(t) for limits in self.unknown))
+            horizon = duration if knot - t > duration else min(duration, shortened(t, knot - t))
+            self._asked = moments, duration
+            self._told = horizon, self.a.rates(moments.a, horizon), self.b.rates(moments.b, horizon)
+        return self._told
 
     def growth_speed(self, t: float) -> float:
         """Return how fast (m/s) balls grow at t, or just after."""

@@ -57,6 +57,13 @@ def rotation_of_quaternion(w: float, x: float, y: float, z: float) -> FloatArray
     )
 
 
+def crossed(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Return a x b of vectors (..., 3); several times faster than numpy's own on few of them."""
+    ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
+    bx, by, bz = b[..., 0], b[..., 1], b[..., 2]
+    return np.stack((ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx), axis=-1)
+
+
 def chord(angle: float, radius: float) -> float:
     """Return how far (m) a point at `radius` from the axis is displaced at most by turning up to `angle` >= 0 rad."""
     return 2.0 * radius * sin(0.5 * angle) if angle < pi else 2.0 * radius

@@ -65,21 +65,27 @@ class Slab:
             slack: m/s, by which the velocities may be wrong.
         """
         self.horizon = near_future.horizon
+        self._lost = error + ROUNDING * max(float(np.abs(points.places).max()) for points in (one, other))
+        self._slack = slack
+        self._certain = 0.0
         axes = axes_between(nearest[0][None], nearest[1][None])[0]
-        low, approach = one.places @ axes.T + one.radii[:, None], one.twist.at(one.places) @ axes.T
-        high, retreat = other.places @ axes.T - other.radii[:, None], other.twist.at(other.places) @ axes.T
-        lost = error + ROUNDING * max(float(np.abs(points.places).max()) for points in (one, other))
-        widths = high.min(axis=0) - low.max(axis=0) - lost
-        closings = approach.max(axis=0) - retreat.min(axis=0) + slack
+        low, high = axes @ one.places.T + one.radii, axes @ other.places.T - other.radii
+        widths = high.min(axis=1) - low.max(axis=1) - self._lost
+        wide = widths > max(beyond, 0.0)
+        if not wide.any():
+            return
+        axes, low, high = axes[wide], low[wide], high[wide]
+        approach, retreat = one.twist.along(axes, one.places), other.twist.along(axes, other.places)
+        closings = approach.max(axis=1) - retreat.min(axis=1) + slack
         bends = np.maximum(0.0, axes @ np.array(near_future.steady) + near_future.varying.along(axes))
-        lasting = np.where(axes.any(axis=1), roots(widths - beyond, closings, bends), -1.0)
+        lasting = roots(widths[wide] - beyond, closings, bends)
         best = int(lasting.argmax())
-        self._low, self._approach = low[:, best], approach[:, best]
-        self._high, self._retreat = high[:, best], retreat[:, best]
-        self._lost, self._slack, self._bend = lost, slack, float(bends[best])
+        self._low, self._approach = _foremost(low[best], approach[best], self.horizon)
+        self._high, self._retreat = (-row for row in _foremost(-high[best], -retreat[best], self.horizon))
+        self._bend = float(bends[best])
         self._certain = float(lasting[best])
 
-    def width(self, since: float) -> float:
+    def _width(self, since: float) -> float:
         """Return a lower bound (m) on the distance `since` s later, at most the horizon; the slab's, if positive."""
         other = float((self._high + self._retreat * since).min())
         one = float((self._low + self._approach * since).max())
@@ -88,14 +94,14 @@ class Slab:
 
     def sleep(self, spare: float) -> float:
         """Return how long (s, <= horizon) it stays wider than `spare` m; errs low."""
-        if self._certain <= 0.0 or self.width(0.0) <= spare:
+        if self._certain <= 0.0 or self._width(0.0) <= spare:
             return 0.0
-        if self.width(self.horizon) > spare:
+        if self._width(self.horizon) > spare:
             return self.horizon
         low, high = 0.0, self.horizon
         middle = self._certain * (1.0 - TRIAL_ROUNDING)
         for _ in range(STEPS):
-            if self.width(middle) > spare:
+            if self._width(middle) > spare:
                 low = middle
             else:
                 high = middle
@@ -103,5 +109,14 @@ class Slab:
         return low * (1.0 - RELATIVE_ROUNDING)
 
     def clearance(self, duration: float) -> float:
-        """Return a lower bound (m) on the distance over the next `duration` s, -inf past the horizon."""
-        return -inf if duration > self.horizon else min(self.width(0.0), self.width(duration))
+        """Return a lower bound (m) on the distance over the next `duration` s; -inf past the horizon, without slab."""
+        if self._certain <= 0.0 or duration > self.horizon:
+            return -inf
+        return min(self._width(0.0), self._width(duration))
+
+
+def _foremost(places: FloatArray, speeds: FloatArray, horizon: float) -> tuple[FloatArray, FloatArray]:
+    """Return those of points (n,) m on a line, moving at (n,) m/s, that may be the foremost at times until then."""
+    after = places + speeds * horizon
+    overtaken = np.maximum(places, after) < np.minimum(places, after).max()
+    return places[~overtaken], speeds[~overtaken]

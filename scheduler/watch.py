@@ -57,6 +57,7 @@ class Watch:
         self._floor = Floor(settings, tolerance, latest)
         self._hold = Hold(pair, settings.time_resolution)
         self._spans = SpanRecord(pair.key, pair.start)
+        self._near = False  # whether bounding spheres have not cleared it so far that its least distance may stay loose
 
     def learn(self, measurement: Measurement) -> Iterator[Event]:
         """Take in a measurement and yield what it settles: distances, spans, the begin or end of a contact."""
@@ -83,7 +84,7 @@ class Watch:
     def finish(self) -> Iterator[Event]:
         """Yield what is left to tell of a pair that is decided up to its end: the least distance, and the spans."""
         share = self._settings.distance_tolerance
-        if share is not None and not self._spans.touched:
+        if share is not None and self._near and not self._spans.touched:
             search = LeastDistance(self.pair, self._spans.untold, share, self._settings.time_resolution)
             yield from search.narrow()
         yield from self._spans.finish()
@@ -235,6 +236,7 @@ class Watch:
     ) -> Iterator[Event]:
         """Tell what is decided between two measurements; of what may be, only that it cannot be is certain."""
         nearest = min(known.above, until.above)
+        self._near |= nearest < inf or not self.pair.far(clearance)
         if self.pair.possible and verdict is not Verdict.CLEAR:
             verdict, depth_limit = Verdict.POSSIBLE, nan
         yield from self._spans.extend(until.time, verdict, clearance, depth_limit, nearest)

@@ -18,6 +18,9 @@ from closecall.scheduler.bounds import longest_sleep, shortened, time_bound, two
         (0.0, 3.0, 1.0, 0.0),
         (1.0, 0.0, 0.0, math.inf),
         (1.5, 1.0, 1.0, 1.0),
+        (1.5, -1.0, 1.0, 3.0),  # parts first
+        (1e-3, -10.0, 1e-15, 2e16),
+        (1.0, -2.0, 0.0, math.inf),
     ],
 )
 def test_time_bound_is_the_root_of_the_quadratic(clearance, speed, acceleration, seconds):
@@ -28,6 +31,7 @@ def test_time_bound_never_exceeds_the_root_in_random_cases():
     rng = np.random.default_rng(1)
     for _ in range(2000):
         d, v, a = (float(x) for x in 10 ** rng.uniform(-9, 6, 3))
+        v *= float(rng.choice([1.0, -1.0]))
         t = shortened(0.0, time_bound(d, v, a))
         assert v * t + 0.5 * a * t * t < d
 

@@ -48,7 +48,7 @@ class Case:
         self.pairs = i, j
         near = self.motion.approach(self.moments, self.duration)
         self.horizon = near.horizon
-        twists = a.twist(self.moments.a), b.twist(self.moments.b)
+        twists = self.moments.a.twist, self.moments.b.twist
         twists = twists[0], twists[1]._replace(origin=vector(np.array(twists[1].origin) + self.shift))
         triangles = NearTriangles(one[i], other[j], np.zeros(len(i)))
         direction = random_unit(rng) if rng.random() < 0.3 else vector(np.array(apart) / np.linalg.norm(apart))

@@ -17,7 +17,7 @@ from drawn_motions import (
 )
 from scipy.spatial.transform import Rotation
 
-from closecall.scheduler.chain import chain_to, origin_reach
+from closecall.scheduler.chain import Part, chain_to, origin_reach
 from closecall.scheduler.extent import Ball, Extent
 from closecall.scheduler.motions import (
     Ballistic,
@@ -199,9 +199,9 @@ def test_chain_rates_bound_the_speed_and_acceleration_of_every_point():
         moment = chain.at(t)
         duration = min(0.3, chain.knot_after(t) - t)
         rates, step = chain.rates(moment, duration), min(1e-4, duration / 10)
-        speed = rates.speed + rates.angular_speed * chain.radius
+        speed = rates.speed + rates.angular_speed * chain.radius(Part.WHOLE)
         acceleration = rates.acceleration
-        acceleration += (rates.angular_acceleration + rates.angular_speed**2) * chain.radius
+        acceleration += (rates.angular_acceleration + rates.angular_speed**2) * chain.radius(Part.WHOLE)
         for s in np.linspace(t + step, t + duration - step, 10):
             a, b, c = (points @ p[:3, :3].T + p[:3, 3] for p in (chain.at(float(s + d)).pose for d in (-step, 0, step)))
             assert np.max(np.linalg.norm(c - a, axis=1)) / (2 * step) <= speed * (1 + 1e-6)
@@ -232,7 +232,7 @@ def test_chain_velocities_are_the_derivative_of_the_last_frame():
         if chain.knot_after(t) - t < 2 * step:
             continue
         moment, after = chain.at(t), chain.at(t + step).pose
-        _, v, w = chain.twist(moment)
+        _, v, w = moment.twist
         assert np.linalg.norm((after[:3, 3] - moment.pose[:3, 3]) / step - v) < 1e-3 * (1 + np.linalg.norm(v))
         turn = Rotation.from_matrix(after[:3, :3] @ moment.pose[:3, :3].T).as_rotvec() / step
         assert np.linalg.norm(turn - w) < 1e-3 * (1 + np.linalg.norm(w))

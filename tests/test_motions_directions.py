@@ -5,7 +5,7 @@ import pytest
 from drawn_motions import random_unit
 from scipy.spatial.transform import Rotation
 
-from closecall.scheduler.chain import Chain, Joint
+from closecall.scheduler.chain import Chain, Joint, Part
 from closecall.scheduler.extent import Ball, Extent
 from closecall.scheduler.motions import Constant, Harmonic, Orbit, Polynomial, Screw, Swing
 from closecall.scheduler.relative import RelativeMotion
@@ -54,7 +54,7 @@ def test_accelerations_are_bounded_in_every_direction(kind):
         points = rng.normal(size=(10, 3)) * 0.5
         motion, still = RelativeMotion(kind(rng, points), kind(rng, points)), float(rng.uniform(-2, 1))
         moments = motion.at(still)
-        approach = motion.approach(moments, 0.3, cores=True)
+        approach = motion.approach(moments, 0.3, Part.CORE)
         directions = np.vstack((np.eye(3), -np.eye(3), [random_unit(rng) for _ in range(10)]))
         most = directions @ np.array(approach.steady) + approach.varying.along(directions)
         if kind is planar_chain:

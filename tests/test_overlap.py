@@ -8,7 +8,7 @@ from drawn_motions import CONTINUOUS, random_chain, random_unit, vector
 from scipy.spatial.transform import Rotation
 from small_scenes import box, events_of
 
-from closecall.scheduler.chain import Twist
+from closecall.scheduler.chain import Part, Twist
 from closecall.scheduler.events import Reason, Span, Verdict, Wakeup
 from closecall.scheduler.motions import Constant, Fixed, Harmonic
 from closecall.scheduler.motions.spread import STILL as CONSTANT
@@ -67,8 +67,8 @@ def test_triangles_on_random_motions_meet_as_long_as_is_said():
         meeting = [rng.dirichlet(np.ones(3)) @ corners for corners in placed]
         shift = meeting[0] - meeting[1] + np.array(random_unit(rng)) * radius * rng.random()
         one, other = placed[0], placed[1] + shift
-        near = motion.approach(moments, float(10.0 ** rng.uniform(-4, 0.5)), cores=True)
-        twists = a.twist(moments.a), b.twist(moments.b)
+        near = motion.approach(moments, float(10.0 ** rng.uniform(-4, 0.5)), Part.CORE)
+        twists = moments.a.twist, moments.b.twist
         twists = twists[0], twists[1]._replace(origin=vector(np.array(twists[1].origin) + shift))
         pairs = proper(NearTriangles(one[None], other[None], np.array([radius])))
         found = Overlaps(pairs, twists, 0.0, near, 0.0)

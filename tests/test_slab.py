@@ -7,7 +7,7 @@ import pytest
 from drawn_motions import CONTINUOUS, random_chain, random_unit, vector
 from small_scenes import box
 
-from closecall.scheduler.chain import Twist
+from closecall.scheduler.chain import Part, Twist
 from closecall.scheduler.motions import Fixed, Harmonic
 from closecall.scheduler.motions.spread import STILL, ball
 from closecall.scheduler.narrow_phase import NarrowPhase
@@ -60,13 +60,13 @@ class Case:
         apart = np.array(random_unit(rng)) * size * float(rng.uniform(2, 8))
         self.shift = poses[0][:3, 3] - poses[1][:3, 3] + apart
         one, other = self.placed(self.t)
-        twists = a.twist(moments.a), b.twist(moments.b)
+        twists = moments.a.twist, moments.b.twist
         twists = twists[0], twists[1]._replace(origin=vector(np.array(twists[1].origin) + self.shift))
         bodies = [
             Points(places, np.full(len(places), radius), twist)
             for places, radius, twist in zip((one, other), self.radii, twists, strict=True)
         ]
-        near = self.motion.approach(moments, duration, cores=True)
+        near = self.motion.approach(moments, duration, Part.CORE)
         self.slab = Slab(bodies[0], bodies[1], nearest_faces(one, other), 0.0, 0.0, near, 0.0)
 
     def placed(self, t) -> tuple[np.ndarray, np.ndarray]:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..rotation import FloatArray, turned
+from ..rotation import FloatArray, crossed, turned
 from ..vector import Vector, add, cross, dot, norm, scale, subtract
 
 #: Axes that differ by no more than this (the sine) are one: rounding of poses turns them by as much.
@@ -51,11 +51,20 @@ class Spread(NamedTuple):
             across += norm(subtract(line, scale(dot(line, axis), axis)))
         return Spread(self.ball, ((axis, across),), (scale(along, axis),))
 
+    def reach(self, direction: Vector) -> float:
+        """Return the farthest that it reaches along a unit vector."""
+        reach = self.ball
+        for normal, radius in self.discs:
+            reach += radius * norm(cross(direction, normal))
+        for line in self.lines:
+            reach += abs(dot(direction, line))
+        return reach
+
     def along(self, directions: FloatArray) -> FloatArray:
-        """Return the farthest that it reaches along unit directions (..., 3)."""
+        """Return the same along many (..., 3)."""
         farthest: FloatArray = np.full(directions.shape[:-1], self.ball)
         for normal, radius in self.discs:
-            farthest += radius * np.linalg.norm(np.cross(directions, np.array(normal)), axis=-1)
+            farthest += radius * np.linalg.norm(crossed(directions, np.array(normal)), axis=-1)
         for line in self.lines:
             farthest += np.abs(directions @ np.array(line))
         return farthest

@@ -1,0 +1,117 @@
+"""The slab between bounding balls, held against dense samples of their closed-form gap."""
+
+from math import hypot, inf
+
+import numpy as np
+import pytest
+from drawn_motions import CONTINUOUS, random_chain, random_unit, vector
+from small_scenes import box, events_of
+
+from closecall.scheduler.ball_slab import BallSlab
+from closecall.scheduler.chain import Part
+from closecall.scheduler.events import Bound, Span, Wakeup
+from closecall.scheduler.motions import Constant, Fixed
+from closecall.scheduler.motions.spread import STILL, ball
+from closecall.scheduler.relative import Approach, RelativeMotion
+from closecall.scheduler.scene import Body
+from closecall.scheduler.vector import subtract
+
+CASES = 400
+SAMPLES = 40
+ROUNDING = 1e-9
+STEADY = Approach(0.0, 0.0, 10.0, (0.0, 0.0, 0.0), STILL)
+
+
+class Case:
+    """Two balls on random chains of motions, apart by a random way, and the slab between them."""
+
+    def __init__(self, rng) -> None:
+        size = float(10.0 ** rng.uniform(-2, 0.5))
+        points = [rng.normal(size=(5, 3)) * size for _ in range(2)]
+        self.t, duration = float(rng.uniform(-1, 1)), float(10.0 ** rng.uniform(-3, 0.5))
+        one, other = (random_chain(rng, cloud, 0.0, CONTINUOUS) for cloud in points)
+        self.radii = one.ball.radius + other.ball.radius
+        self.motion = RelativeMotion(one, other)
+        moments = self.motion.at(self.t)
+        apart = np.array(random_unit(rng)) * self.radii * float(rng.uniform(1.05, 4))
+        self.shift = apart - (np.array(moments.b.centre) - np.array(moments.a.centre))
+        closing = subtract(moments.a.twist.of(moments.a.centre), moments.b.twist.of(moments.b.centre))
+        near = self.motion.approach(moments, duration, Part.CENTRE)
+        self.beyond = float(rng.choice([0.0, 0.02])) * self.radii
+        self.slab = BallSlab(vector(apart), self.radii, closing, self.beyond, near, 0.0)
+
+    def nearest(self, duration) -> float:
+        """Return the least gap (m) at samples of the time from t on."""
+        times = self.t + np.linspace(0.0, duration, SAMPLES)
+        moments = [self.motion.at(float(t)) for t in times]
+        ways = np.array([np.subtract(moment.b.centre, moment.a.centre) for moment in moments]) + self.shift
+        return float(np.linalg.norm(ways, axis=1).min()) - self.radii
+
+
+def test_balls_stay_apart_while_the_slab_does():
+    rng = np.random.default_rng(1)
+    slept = 0
+    for _ in range(CASES):
+        case = Case(rng)
+        sleep = case.slab.sleep(case.beyond)
+        assert 0.0 <= sleep <= case.slab.horizon
+        if sleep > 0.0:
+            slept += 1
+            assert case.nearest(sleep) >= case.beyond - ROUNDING
+    assert slept > CASES // 2
+
+
+def test_the_clearance_of_the_slab_is_kept():
+    rng = np.random.default_rng(2)
+    told = 0
+    for _ in range(CASES):
+        case = Case(rng)
+        duration = case.slab.horizon * float(10.0 ** rng.uniform(-3, 0))
+        clearance = case.slab.clearance(duration)
+        told += clearance > 0.0
+        assert clearance <= 0.0 or case.nearest(duration) >= clearance - ROUNDING
+        assert case.slab.clearance(2.0 * case.slab.horizon) == -inf
+    assert told > CASES // 3
+
+
+def test_what_passes_by_on_a_straight_line_is_slept_past():
+    """From 5 m away at 1 m/s, past at 0.3 m: the slab across the way when nearest lasts, the one across it now not."""
+    slab = BallSlab((5.0, 0.8, 0.0), 0.5, (1.0, 0.0, 0.0), 0.0, STEADY, 0.0)
+    assert slab.sleep(0.0) == 10.0
+    assert slab.clearance(10.0) == pytest.approx(0.3, rel=1e-9)
+
+
+def test_what_comes_straight_on_is_slept_on_until_it_is_there():
+    slab = BallSlab((0.0, 5.0, 0.0), 0.5, (0.0, 1.0, 0.0), 0.0, STEADY, 0.0)
+    assert slab.sleep(0.0) == pytest.approx(4.5, rel=1e-9)
+    assert slab.sleep(0.0) < 4.5
+    assert slab.sleep(1.5) == pytest.approx(3.0, rel=1e-9)
+    assert slab.sleep(4.5) == 0.0
+
+
+def test_what_may_brake_or_turn_back_is_given_the_time_that_takes():
+    """It opens at 1 m/s, and may come back by 2 m/s^2: 0.5 + s - s^2 = 0 at (1 + sqrt(3)) / 2 s."""
+    ahead = Approach(0.0, 2.0, 10.0, (0.0, 0.0, 0.0), ball(2.0))
+    slab = BallSlab((0.0, 0.0, 1.0), 0.5, (0.0, 0.0, -1.0), 0.0, ahead, 0.0)
+    assert slab.sleep(0.0) == pytest.approx((1.0 + hypot(1.0, 2.0**0.5)) / 2.0, rel=1e-9)
+
+
+def test_slack_and_errors_are_taken_off():
+    slab = BallSlab((0.0, 5.0, 0.0), 0.6, (0.0, 1.0, 0.0), 0.0, STEADY, 0.1)
+    assert slab.sleep(0.0) == pytest.approx(4.0, rel=1e-9)
+
+
+def test_bodies_that_spin_on_the_spot_need_no_second_look():
+    """Two boxes whose corners move at 87 m/s, and whose balls stay 1.27 m apart."""
+    spins = Constant((0.0, 0.0, 0.0), (0.0, 0.0, 100.0))
+    far = np.eye(4)
+    far[0, 3] = 3.0
+    bodies = [
+        Body("one", None, np.eye(4), Fixed(), (box(1, 1, 1),)),
+        Body("other", None, far, spins, (box(1, 1, 1),)),
+    ]
+    events = events_of(*bodies)
+    wakeups = [event for event in events if isinstance(event, Wakeup)]
+    assert [wakeup.bound for wakeup in wakeups] == [Bound.DIRECTIONAL, Bound.NONE]
+    (span,) = [event for event in events if isinstance(event, Span)]
+    assert span.clearance == pytest.approx(3.0 - 3.0**0.5, rel=1e-9)
