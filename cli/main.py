@@ -14,6 +14,7 @@ COMMANDS = {
     "run": "Run a scene and write its certified log.",
     "check": "Check a scene and tell what was understood.",
     "summary": "Print what a log found, worst pairs first.",
+    "diff": "Compare a log with a golden one, by what they say.",
     "schema": "Print the JSON Schema of the scene file.",
 }
 

@@ -13,6 +13,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from ..formats.log.diff.wording import between
 from ..formats.log.summary import PairSummary, Summary
 from ..formats.scene.errors import counted
 
@@ -109,7 +110,7 @@ def _contacts(pair: PairSummary) -> str:
         return _spans(pair)
     first = contacts[0]
     end = "the end" if first["end"] is None else f"{_seconds(first['end'][0], 7)} s"
-    keys = ", ".join(f"{body} {_between(*around)}" for body, around in first["keys"].items())
+    keys = ", ".join(f"{body} {between(*around)}" for body, around in first["keys"].items())
     more = f" and {len(contacts) - 1} more" if len(contacts) > 1 else ""
     return f"{_seconds(first['begin'][1], 7)}{f' ({keys})' if keys else ''} .. {end}{more}"
 
@@ -121,10 +122,3 @@ def _spans(pair: PairSummary) -> str:
         if spans:
             return f"{kind} " + ", ".join(f"{_seconds(a)}..{_seconds(b)} s" for a, b in spans[:2])
     return ""
-
-
-def _between(before: str, after: str) -> str:
-    """Return which named keys a moment lies between, of which either may be missing."""
-    if before and after:
-        return f"between {before} and {after}"
-    return f"after {before}" if before else f"before {after}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import nan
 from pathlib import Path
@@ -18,7 +19,8 @@ from .identity import Identity
 from .reader import LogReader, Loss
 from .summary import Subject, Summary, SummaryBuilder
 
-_FACTS = ("/wakeups", "/distances", "/collisions", "/spans")
+FINDINGS = ("/distances", "/collisions", "/spans")
+FACTS = ("/wakeups", *FINDINGS)
 
 # By name, so that neither side's numbers bind the other's.
 _LEVELS = {getattr(pb.Wakeup.Level, level.name): level for level in Level}
@@ -76,15 +78,18 @@ def read_found(path: Path) -> Found:
     return found if summary is None else Found(summary, found.loss)
 
 
-def fold(path: Path) -> Found:
+def fold(path: Path, topics: Sequence[str] = FACTS) -> Found:
     """Return what a log found by its facts alone, without the summary that it carries.
+
+    Args:
+        topics: of the facts; without `/wakeups` none are counted.
 
     Raises:
         LogError: as `read_found`.
     """
     with LogReader(path) as log:
         folding = _Folding(log.identity)
-        for _, log_time, message in log.facts(*_FACTS):
+        for _, log_time, message in log.facts(*topics):
             try:
                 folding.add(message, log.identity.seconds(log_time))
             except (LookupError, ValueError, OverflowError):
@@ -137,7 +142,7 @@ class _Folding:
             gaps = _gaps(self._covered.get(pair.id, []), *self._identity.shared_time(body_a, body_b))
             for start, end in gaps:
                 self._builder.add_span(pair, Verdict.UNRESOLVED, start, end, nan)
-            if gaps:
+            if gaps and loss is not None:
                 lost[f"{body_a}|{body_b}"] = gaps
         summary = self._builder.summary()
         if loss is not None:

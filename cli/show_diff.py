@@ -1,0 +1,98 @@
+"""A comparison of two logs, as people and programs read it."""
+
+from __future__ import annotations
+
+from itertools import groupby
+from math import isnan
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.padding import Padding
+from rich.table import Table
+from rich.text import Text
+
+from ..formats.log.diff.difference import Cause, Comparison, Difference, by_size
+from ..formats.log.diff.wording import place, sentence, told
+from ..formats.scene.errors import counted
+from .show import console_for
+
+#: Causes that a reviewer should see first.
+_GRAVE = (Cause.VERDICT, Cause.CONTACT_APPEARED, Cause.PAIR_REMOVED)
+
+#: Characters. On a narrower terminal columns would be folded into ribbons: there each difference is a sentence.
+_TABLE_WIDTH = 100
+
+
+def print_comparison(comparison: Comparison, most: int) -> None:
+    """Print the largest differences by cause, the first in time, and how much agrees."""
+    console = console_for()
+    counts = comparison.by_cause()
+    for cause, group in groupby(comparison.largest(most), key=lambda one: one.cause):
+        shown = list(group)
+        _print_cause(console, cause, shown, counts[cause])
+    for note in comparison.notes:
+        console.print(Text(f"note: {note}", "dim"))
+    first = comparison.first
+    if first is None:
+        console.print(f"the same: {counted(len(comparison.pairs), 'pair')}")
+        return
+    console.print(Text(f"first: {sentence(first)}"))
+    differ = len({one.subject for one in comparison.differences} & set(comparison.pairs))
+    pairs = counted(len(comparison.pairs), "pair")
+    console.print(f"different: {counted(len(comparison.differences), 'difference')}, in {differ} of {pairs}")
+
+
+def _print_cause(console: Console, cause: Cause, shown: list[Difference], count: int) -> None:
+    """Print a heading and a row for each difference; what does not fit a line is folded, never cut."""
+    heading = f"{cause.label}: {count}"
+    if len(shown) < count:
+        heading += f", the largest {len(shown)}" if len(shown) > 1 else ", the largest"
+    console.print(Text(heading, "bold red" if cause in _GRAVE else "bold"))
+    if console.width < _TABLE_WIDTH:
+        for one in shown:
+            text = ", at ".join(part for part in (told(one), place(one)) if part)
+            subject = f"{one.subject.replace('|', ' | ')}: " if one.subject else ""
+            console.print(Padding(Text(f"{subject}{text}"), (0, 0, 0, 2), expand=False))
+        return
+    table = Table(box=None, pad_edge=False, show_header=False)
+    for _ in range(3):
+        table.add_column(overflow="fold")
+    for one in shown:
+        table.add_row(Text(one.subject.replace("|", " | ")), Text(told(one)), Text(place(one), "dim"))
+    console.print(Padding(table, (0, 0, 0, 2), expand=False))
+
+
+def as_values(comparison: Comparison, golden: Path, new: Path) -> dict[str, Any]:
+    """Return a comparison as JSON holds it: all differences, those that matter most first; unknown numbers are null."""
+    first = comparison.first
+    return {
+        "golden": str(golden),
+        "new": str(new),
+        "same": not comparison.differences,
+        "pairs_compared": len(comparison.pairs),
+        "by_cause": {cause.label: count for cause, count in comparison.by_cause().items()},
+        "first": None if first is None else _values(first),
+        "differences": [_values(one) for one in by_size(comparison.differences)],
+        "notes": list(comparison.notes),
+        "lost": [str(loss) for loss in comparison.losses],
+    }
+
+
+def _values(one: Difference) -> dict[str, Any]:
+    numbers = {name: _number(getattr(one, name)) for name in ("golden", "new", "change")}
+    return {
+        "cause": one.cause.label,
+        "subject": one.subject,
+        **numbers,
+        "unit": one.unit,
+        "time": one.time,
+        "proved": one.proved,
+        "keys": one.keys,
+        "count": one.count,
+        "text": sentence(one),
+    }
+
+
+def _number(value: float | str | None) -> float | str | None:
+    return None if isinstance(value, float) and isnan(value) else value

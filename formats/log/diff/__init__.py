@@ -1,0 +1,1 @@
+"""Two logs compared by what they mean."""

@@ -1,0 +1,39 @@
+"""Two log files into one comparison."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ..found import FINDINGS, fold
+from ..reader import LogReader
+from .difference import Comparison
+from .findings import Rules, differences, notes, require_comparable
+from .topics import TopicDiff
+
+
+def compare(golden: Path, new: Path, rules: Rules, every_topic: bool = False) -> Comparison:
+    """Compare what two logs found, by their facts; the summaries that they carry are not asked.
+
+    Args:
+        golden: the log that is right.
+        new: the log to be judged.
+        rules: what counts as the same.
+        every_topic: whether all messages are compared too, beside what they say together.
+
+    Raises:
+        LogError: for what is no log of closecall, or no log of the same time and pairs.
+    """
+    before, after = fold(golden, FINDINGS), fold(new, FINDINGS)
+    require_comparable(before, after, new, rules)
+    found = list(differences(before, after, rules))
+    if every_topic:
+        with LogReader(golden) as one, LogReader(new) as other:
+            found += TopicDiff(one, other, rules.tolerances, rules.ignored).differences()
+    names = {frozenset((pair["body_a"], pair["body_b"])): pair["pair"] for pair in after.summary["pairs"]}
+    names |= {frozenset((pair["body_a"], pair["body_b"])): pair["pair"] for pair in before.summary["pairs"]}
+    return Comparison(
+        differences=tuple(found),
+        pairs=tuple(name for name in names.values() if not rules.ignored.pair(name)),
+        notes=tuple(notes(before, after)),
+        losses=tuple(loss for loss in (before.loss, after.loss) if loss is not None),
+    )

@@ -1,0 +1,59 @@
+"""A comparison as a JUnit report: a suite, and a case for every pair, which CI servers show."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ElementTree
+from collections import defaultdict
+from pathlib import Path
+
+from ..errors import LogError
+from .difference import Comparison, Difference
+from .wording import sentence
+
+
+def write_junit(path: Path, comparison: Comparison, golden: Path, new: Path) -> None:
+    """Write the report; an existing file is replaced once the new one is whole.
+
+    Raises:
+        LogError: where the file cannot be written.
+    """
+    partial = path.with_name(f"{path.name}.partial")
+    try:
+        partial.write_text(junit(comparison, golden, new), encoding="utf-8")
+        partial.replace(path)
+    except OSError as error:
+        raise LogError(path, f"cannot write: {error.strerror or error}", "choose another file") from error
+
+
+def junit(comparison: Comparison, golden: Path, new: Path) -> str:
+    """Return the report: a pair that differs is a failure, what could not be read an error."""
+    by_case: dict[str, list[Difference]] = defaultdict(list)
+    for one in comparison.differences:
+        by_case[one.subject].append(one)
+    names = list(dict.fromkeys((*comparison.pairs, *by_case)))
+    suite = ElementTree.Element(
+        "testsuite",
+        name=f"closecall diff {golden.name} {new.name}",
+        tests=str(len(names) + len(comparison.losses)),
+        failures=str(len(by_case)),
+        errors=str(len(comparison.losses)),
+        skipped="0",
+    )
+    for name in names:
+        case = ElementTree.SubElement(suite, "testcase", classname=new.name, name=_printable(name or "the whole run"))
+        if name in by_case:
+            lines = [_printable(sentence(one)) for one in by_case[name]]
+            cause = by_case[name][0].cause.label
+            ElementTree.SubElement(case, "failure", type=cause, message=lines[0]).text = "\n".join(lines)
+    for loss in comparison.losses:
+        case = ElementTree.SubElement(suite, "testcase", classname=new.name, name=f"{loss.path.name} is whole")
+        ElementTree.SubElement(case, "error", type="damaged", message=_printable(str(loss)))
+    suites = ElementTree.Element("testsuites")
+    suites.append(suite)
+    ElementTree.indent(suites)
+    return ElementTree.tostring(suites, encoding="unicode", xml_declaration=True) + "\n"
+
+
+def _printable(text: str) -> str:
+    """Return a text without the control characters that XML cannot hold."""
+    return "".join(one if one.isprintable() else "?" for one in text)
