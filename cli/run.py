@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,16 @@ def command(scenes: tuple[Path, ...], **given: Any) -> int:
         raise click.UsageError("Several scenes need --out-dir DIR instead of -o.")
     assert options.output is not None
     return _run_one(scene, options.output, options)
+
+
+def options_of(scene: Path, output: Path, words: Sequence[str]) -> RunOptions:
+    """Return the options of a run of one scene, given as on the command line.
+
+    Raises:
+        click.UsageError: for words that are no options of a run.
+    """
+    context = command.make_context("closecall run", [str(scene), "-o", str(output), *words])
+    return RunOptions(**{name: value for name, value in context.params.items() if name != "scenes"})
 
 
 def _run_one(scene: Path, output: Path, options: RunOptions) -> int:

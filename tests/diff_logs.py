@@ -13,8 +13,7 @@ from mcap.records import Channel, Message
 from rewritten_logs import Change
 
 from closecall.cli.job import run_job
-from closecall.cli.options import RunOptions
-from closecall.cli.run import command as run_command
+from closecall.cli.run import options_of
 from closecall.formats.log.reader import message_type
 
 SCENE = """\
@@ -51,8 +50,7 @@ def write_scene(folder: Path, text: str = SCENE, subdivisions: int = 2) -> Path:
 
 def run_scene(scene: Path, log: Path, *options: str) -> Path:
     """Run a scene as `closecall run` does, inside this process; return the log."""
-    context = run_command.make_context("run", [str(scene), "-o", str(log), "-q", "--log", "certificate", *options])
-    run_job(scene, log, RunOptions(**{name: value for name, value in context.params.items() if name != "scenes"}))
+    run_job(scene, log, options_of(scene, log, ["-q", "--log", "certificate", *options]))
     return log
 
 

@@ -169,5 +169,10 @@ class Comparison:
 
 
 def by_size(differences: Iterable[Difference]) -> list[Difference]:
-    """Return differences with those that matter most first, and of one cause the largest."""
-    return sorted(differences, key=lambda one: (_RANKS[one.cause], -one.size, -one.count, one.subject))
+    """Return differences with those that matter most first, of one cause the largest, of one size the earliest."""
+
+    def rank(one: Difference) -> tuple[int, float, int, float, str]:
+        time = inf if one.time is None else one.time
+        return _RANKS[one.cause], -float(f"{one.size:.3g}"), -one.count, time, one.subject
+
+    return sorted(differences, key=rank)

@@ -1,0 +1,75 @@
+"""The recipe for CI jobs, run as it is printed: the shell's commands, the workflow's steps, the tests."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+from diff_logs import SCENE, write_scene
+from test_pytest_plugin import run_pytest
+
+DOCUMENT = (Path(__file__).parents[1] / "docs" / "ci.md").read_text(encoding="utf-8")
+README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.+?)^```", DOCUMENT, re.MULTILINE | re.DOTALL)
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    for name in ("cell", "gate"):
+        write_scene(tmp_path / "scenes" / name)
+    (tmp_path / "bin").mkdir()
+    command = tmp_path / "bin" / "closecall"
+    command.write_text(f'#!/bin/sh\nexec {sys.executable} -m closecall "$@"\n')
+    command.chmod(0o755)
+    return tmp_path
+
+
+def shell(script: str, folder: Path, tools: Path) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, "PATH": f"{tools / 'bin'}{os.pathsep}{os.environ['PATH']}"}
+    command = ["bash", "-euo", "pipefail", "-c", script]
+    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=120)
+
+
+def test_the_shell_recipe_and_the_workflow_run_as_printed(project):
+    goldens, job = blocks("sh")
+    made = shell(goldens, project, project)
+    assert made.returncode == 0, made.stderr
+    assert sorted(path.name for path in (project / "goldens").iterdir()) == ["cell.mcap", "gate.mcap"]
+    assert shell(job, project, project).returncode == 0
+
+    (project / "compare.sh").write_text(job)
+    (workflow,) = (yaml.safe_load(text) for text in blocks("yaml"))
+    steps = [step["run"] for step in workflow["jobs"]["compare"]["steps"] if "run" in step]
+    assert steps == ["pip install ./closecall", "sh compare.sh"]
+    write_scene(project / "scenes" / "gate", SCENE.replace("t: 1,", "t: 1.0032,"))
+    failed = shell(steps[1], project, project)
+    assert failed.returncode == 1
+    assert "contact begin moved: 1" in failed.stdout
+    assert "<failure" in (project / "reports" / "gate.xml").read_text()
+    assert "<failure" not in (project / "reports" / "cell.xml").read_text()
+
+
+def test_the_tests_run_as_printed(project):
+    (project / "test_cell.py").write_text(blocks("python")[0])
+    assert run_pytest(project, "--closecall-update").returncode == 0
+    assert (project / "test_cell" / "test_the_cell_is_as_it_was.mcap").exists()
+    assert "test_cell/test_the_cell_is_as_it_was.mcap" in DOCUMENT
+
+
+def test_readme_prints_what_its_comparison_prints(project):
+    section = README.split("## Comparing logs")[1]
+    script = section.split("```sh\n")[1].split("```")[0]
+    shown = section.split("ends in\n\n```\n")[1].split("```")[0]
+    root = Path(__file__).parents[1]
+    done = shell(script.replace("sample_scenes", str(root / "sample_scenes")), project, project)
+    assert done.returncode == 1
+    lines = [line.rstrip() for line in done.stdout.splitlines()]
+    assert lines[-len(shown.splitlines()) :] == shown.splitlines()

@@ -1,0 +1,79 @@
+"""The pytest plugin, in a project of its own: goldens beside the test, written, compared, updated."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+from diff_logs import SCENE, write_scene
+
+PLUGIN = "closecall.cli.pytest_plugin"
+TEST = """\
+import pytest
+
+def test_cell(closecall_golden):
+    closecall_golden.check("scene.yaml")
+
+@pytest.mark.parametrize("margin", ["0.001"])
+def test_margins(closecall_golden, margin):
+    closecall_golden.check("scene.yaml", "--margin", margin, ignore=["rail"], time_tol=0.01)
+"""
+
+
+def run_pytest(folder: Path, *options: str) -> subprocess.CompletedProcess[str]:
+    """Run pytest in a folder, with this plugin and no other."""
+    environment = {**os.environ, "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", PLUGIN, *options, "."]
+    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=120)
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    write_scene(tmp_path)
+    (tmp_path / "test_scenes.py").write_text(TEST)
+    return tmp_path
+
+
+def test_goldens_are_written_when_asked_for_then_compared_and_updated_where_they_differ(project):
+    missing = run_pytest(project)
+    assert missing.returncode == 1
+    assert "there is no golden log" in missing.stdout
+    assert "--closecall-update" in missing.stdout
+    assert not (project / "test_scenes").exists()
+
+    assert run_pytest(project, "--closecall-update").returncode == 0
+    goldens = {path.name: path.read_bytes() for path in (project / "test_scenes").iterdir()}
+    assert sorted(goldens) == ["test_cell.mcap", "test_margins_0.001.mcap"]
+    assert run_pytest(project).returncode == 0
+
+    write_scene(project, SCENE.replace("t: 1,", "t: 1.0032,"))
+    differs = run_pytest(project)
+    assert "1 failed, 1 passed" in differs.stdout, "the other tolerates it"
+    assert "arm | wall: contact begin moved 3.04 ms later" in differs.stdout
+    assert "Traceback" not in differs.stdout
+    assert "pytest_plugin.py" not in differs.stdout, "no lines of the plugin's own"
+
+    assert run_pytest(project, "--closecall-update").returncode == 0
+    changed = {name for name, data in goldens.items() if (project / "test_scenes" / name).read_bytes() != data}
+    assert changed == {"test_cell.mcap"}
+
+
+def test_what_is_wrong_with_a_scene_or_an_option_is_a_line(project):
+    (project / "test_scenes.py").write_text(TEST.replace('"--margin"', '"--margni"'))
+    write_scene(project, SCENE.replace("bodies:", "bodeis:"))
+    failed = run_pytest(project).stdout
+    assert "unknown key 'bodeis'" in failed
+    assert "No such option '--margni'" in failed
+    assert "Traceback" not in failed
+
+
+def test_the_plugin_costs_nothing_until_it_is_asked_for():
+    setup = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())
+    assert setup["project"]["entry-points"]["pytest11"] == {"closecall": PLUGIN}
+    code = f"import {PLUGIN}, sys; print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert not {name.split(".")[0] for name in loaded} & {"numpy", "mcap", "google", "rich", "click", "trimesh"}
