@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .rotation import FloatArray
-from .scene import Body
+from .scene import Body, used_vertices
 from .vector import Vector
 
 
@@ -58,7 +58,7 @@ def body_extent(body: Body) -> Extent:
     """Return the points that span a body (its cores' vertices, each rounded by its shape's radius) and a ball."""
     points, radii = [], []
     for shape in body.shapes:
-        used = shape.mesh.vertices[np.unique(shape.mesh.triangles)]
+        used = used_vertices(shape.mesh)
         points.append(used @ shape.pose[:3, :3].T + shape.pose[:3, 3])
         radii.append(np.full(len(used), shape.radius))
     spanning, rounding = np.vstack(points), np.concatenate(radii)

@@ -82,7 +82,8 @@ class NarrowPhase:
         for inner, outer in ((a, b), (b, a)):
             for part in self._bodies[inner]:
                 for solid in self._bodies[outer]:
-                    if solid.model.interior is None:
+                    apart = norm(subtract(part.centre, solid.centre)) > part.reach + solid.reach
+                    if apart or solid.model.interior is None:
                         continue
                     point = solid.model.interior.contains(solid.local(part.world(part.model.points)))
                     if point is not None:

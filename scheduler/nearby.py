@@ -14,6 +14,8 @@ from .rotation import FloatArray
 MOST_TRIANGLE_PAIRS = 2_000
 #: The same for pairs of bounding boxes.
 MOST_BOX_PAIRS = 30_000
+#: More pairs of boxes than this are not compared each with each, but first by boxes around `GROUP` of them.
+MOST_COMPARED = 2_000_000
 #: So many neighbouring triangles share a box.
 GROUP = 8
 #: Relative loss granted to the arithmetic of what is near.
@@ -86,9 +88,10 @@ def near_pairs(
     limit = reach * (1.0 + ROUNDING)
     centres = 0.5 * (other.low + other.high) @ relative.T + shift
     halves = 0.5 * (other.high - other.low) @ np.abs(relative).T
-    i, j = _groups_near(one.low, one.high, centres - halves, centres + halves, limit)
-    if len(i) * GROUP**2 > MOST_BOX_PAIRS:
+    groups = _groups_near(one.low, one.high, centres - halves, centres + halves, limit)
+    if groups is None or len(groups[0]) * GROUP**2 > MOST_BOX_PAIRS:
         return None
+    i, j = groups
     placed, place = np.unique(j, return_inverse=True)
     moved = other.corners[other.members(placed)] @ relative.T + shift  # (groups, GROUP, corner, 3)
     low, high = moved.min(axis=2), moved.max(axis=2)  # (groups, GROUP, 3)
@@ -109,19 +112,39 @@ def near_pairs(
 
 
 def _neighbours_together(centres: FloatArray) -> NDArray[np.intp]:
-    """Return an order of points (m, 3) in which every `GROUP` in turn lie near each other: halves of halves."""
-    ordered: list[NDArray[np.intp]] = []
-    left: list[NDArray[np.intp]] = [np.arange(len(centres))]
-    while left:
-        rows = left.pop()
-        if len(rows) <= GROUP:
-            ordered.append(rows)
-            continue
-        axis = int(np.argmax(np.ptp(centres[rows], axis=0)))
-        rows = rows[np.argsort(centres[rows, axis], kind="stable")]
-        half = -(-len(rows) // (2 * GROUP)) * GROUP
-        left += [rows[half:], rows[:half]]
-    return np.concatenate(ordered)
+    """Return an order of points (m, 3) in which every `GROUP` in turn lie near each other: halves of halves.
+
+    Stretches of one length are sorted and halved together.
+    """
+    columns = np.ascontiguousarray(centres.T)
+    order = np.arange(len(centres))
+    stretches = {len(order): [np.zeros(1, dtype=np.intp)]}  # by length, where they begin
+    while stretches:
+        halves: dict[int, list[NDArray[np.intp]]] = {}
+        for length, begins in stretches.items():
+            if length <= GROUP:
+                continue
+            begin = np.concatenate(begins)
+            members = begin[:, None] + np.arange(length)
+            rows = order[members]
+            placed = columns[:, rows]
+            along = placed[np.argmax(_spans(placed), axis=0), np.arange(len(begin))]
+            order[members] = np.take_along_axis(rows, np.argsort(along, axis=1, kind="stable"), axis=1)
+            half = -(-length // (2 * GROUP)) * GROUP
+            halves.setdefault(half, []).append(begin)
+            halves.setdefault(length - half, []).append(begin + half)
+        stretches = halves
+    return order
+
+
+def _spans(placed: FloatArray) -> FloatArray:
+    """Return how far (3, k) the members (3, k, n) of each stretch lie apart along each axis."""
+    if placed.shape[1] > placed.shape[2]:  # numpy is slow along short rows
+        placed, axis = np.ascontiguousarray(placed.transpose(0, 2, 1)), 1
+    else:
+        axis = 2
+    spans: FloatArray = placed.max(axis=axis) - placed.min(axis=axis)
+    return spans
 
 
 def _first_of_each(groups: NDArray[np.intp], count: int) -> NDArray[np.bool_]:
@@ -132,12 +155,31 @@ def _first_of_each(groups: NDArray[np.intp], count: int) -> NDArray[np.bool_]:
 
 def _groups_near(
     low: FloatArray, high: FloatArray, lows: FloatArray, highs: FloatArray, reach: float
-) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return the pairs of indices of the boxes (n, 3) and (m, 3) that come within `reach` of each other."""
+) -> tuple[NDArray[np.intp], NDArray[np.intp]] | None:
+    """Return the pairs of indices of the boxes (n, 3) and (m, 3) that come within `reach`, None where far too many."""
     theirs = _near_box(lows, highs, low, high, reach)
     ours = _near_box(low, high, lows[theirs], highs[theirs], reach)
-    i, j = _near_each_other(low[ours], high[ours], lows[theirs], highs[theirs], reach)
-    return ours[i], theirs[j]
+    boxes = low[ours], high[ours], lows[theirs], highs[theirs]
+    if len(ours) * len(theirs) <= MOST_COMPARED:
+        i, j = _near_each_other(*boxes, reach)
+        return ours[i], theirs[j]
+    starts, their_starts = np.arange(0, len(ours), GROUP), np.arange(0, len(theirs), GROUP)
+    wider = _groups_near(
+        np.minimum.reduceat(boxes[0], starts),
+        np.maximum.reduceat(boxes[1], starts),
+        np.minimum.reduceat(boxes[2], their_starts),
+        np.maximum.reduceat(boxes[3], their_starts),
+        reach,
+    )
+    if wider is None or len(wider[0]) * GROUP**2 > MOST_COMPARED:
+        return None
+    within = np.arange(GROUP)
+    i = (wider[0][:, None, None] * GROUP + within[:, None]).repeat(GROUP, axis=2).reshape(-1)
+    j = (wider[1][:, None, None] * GROUP + within).repeat(GROUP, axis=1).reshape(-1)
+    there = (i < len(ours)) & (j < len(theirs))
+    i, j = ours[i[there]], theirs[j[there]]
+    near = _within(low[i], high[i], lows[j], highs[j], reach)
+    return i[near], j[near]
 
 
 def _near_box(low: FloatArray, high: FloatArray, lows: FloatArray, highs: FloatArray, reach: float) -> NDArray[np.intp]:

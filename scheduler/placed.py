@@ -6,7 +6,7 @@ mesh depths and normals mean nothing.
 
 from __future__ import annotations
 
-from functools import partial
+from functools import cached_property, partial
 from math import frexp, ldexp
 from typing import Any, NamedTuple
 
@@ -18,7 +18,7 @@ from .extent import bounding_ball
 from .nearby import Triangles
 from .proximity import Rounded
 from .rotation import FloatArray, mapped, translation_of
-from .scene import IntArray, Mesh, Shape
+from .scene import IntArray, Mesh, Shape, used_vertices
 from .sliver import without_slivers
 from .solid import Interior, component_points
 from .triangle import Triangle, feature_at
@@ -59,19 +59,31 @@ class Cores(NamedTuple):
 
 
 class Model:
-    """A mesh as FCL wants it, shared by every shape that shows it."""
+    """A mesh as measurements want it, shared by every shape that shows it. What takes long is made when asked for."""
 
     def __init__(self, mesh: Mesh) -> None:
-        """Derive what measurements look up."""
+        """Take the mesh without its slivers."""
         self.mesh = mesh
         collapsed, self.error = without_slivers(mesh)
         self._collapsed = collapsed
         self._bvhs: dict[float, Any] = {}
-        self.ball = bounding_ball(mesh.vertices[np.unique(mesh.triangles)])
-        self.points = component_points(mesh)
-        self.triangles = Triangles.of(mesh.vertices[mesh.triangles])
-        self.interior = Interior(mesh) if mesh.solid else None
+        self.ball = bounding_ball(used_vertices(mesh))
         self.degenerate = bool(np.any(collapsed[:, 1] == collapsed[:, 2]))
+
+    @cached_property
+    def points(self) -> FloatArray:
+        """One point of each connected part, (k, 3) m."""
+        return component_points(self.mesh)
+
+    @cached_property
+    def triangles(self) -> Triangles:
+        """The triangles, to find those near another's."""
+        return Triangles.of(self.mesh.vertices[self.mesh.triangles])
+
+    @cached_property
+    def interior(self) -> Interior | None:
+        """The inside, None of a mesh that is open."""
+        return Interior(self.mesh) if self.mesh.solid else None
 
     def bvh(self, scale: float) -> Any:
         """Return the bounding volume hierarchy of lengths times `scale`, built when first asked for."""
@@ -91,7 +103,8 @@ class PlacedShape:
         self.reach = model.ball.radius + shape.radius
         self.extent = norm(model.ball.centre) + norm(translation_of(shape.pose)) + self.reach
         self.crisp = shape.radius == 0.0 and not model.degenerate
-        self.object = fcl.CollisionObject(model.bvh(SCALE), fcl.Transform())
+        self._object: Any = None
+        self._moved = True
         self.pose = shape.pose
         self.centre = model.ball.centre
 
@@ -99,8 +112,18 @@ class PlacedShape:
         """Move the shape to where a body's pose puts it, as seen from `origin` (3,)."""
         self.pose = body @ self.shape.pose
         self.pose[:3, 3] -= origin
-        self.object.setTransform(fcl.Transform(self.pose[:3, :3], self.pose[:3, 3] * SCALE))
+        self._moved = True
         self.centre = mapped(self.pose, self.model.ball.centre)
+
+    @property
+    def object(self) -> Any:
+        """The FCL object, at the shape's place."""
+        if self._object is None:
+            self._object = fcl.CollisionObject(self.model.bvh(SCALE), fcl.Transform())
+        if self._moved:
+            self._object.setTransform(fcl.Transform(self.pose[:3, :3], self.pose[:3, 3] * SCALE))
+            self._moved = False
+        return self._object
 
     def object_at(self, scale: float) -> Any:
         """Return a new FCL object at the shape's place, lengths times `scale`."""

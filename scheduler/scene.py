@@ -35,6 +35,14 @@ class Mesh:
     solid: bool
 
 
+def used_vertices(mesh: Mesh) -> FloatArray:
+    """Return the vertices (k, 3) m that the mesh's triangles have, in order."""
+    used = np.zeros(len(mesh.vertices), dtype=bool)
+    used[mesh.triangles] = True
+    found: FloatArray = mesh.vertices if used.all() else mesh.vertices[used]
+    return found
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Shape:
     """All points within `radius` (m) of a mesh, its core, placed in the body by `pose` (4x4, body_from_mesh).

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .events import Collision, Event, Nearness, Phase, Snapshot, Verdict, Wakeup
-from .extent import body_extent
+from .extent import body_extents
 from .narrow_phase import NarrowPhase
 from .pair import Pair
 from .poses import WorldPoses
@@ -110,7 +110,8 @@ class Travel:
 
     def __init__(self, scene: Scene) -> None:
         """Start with nobody placed."""
-        balls = [body_extent(body).ball if body.shapes else None for body in scene.bodies]
+        extents = body_extents(scene.bodies)
+        balls = [extents[index].ball if index in extents else None for index in range(len(scene.bodies))]
         self._middles = np.array([ball.centre if ball else ZERO for ball in balls]).reshape(-1, 3)
         self._radii = np.array([ball.radius if ball else 0.0 for ball in balls])
         self._turns: FloatArray | None = None

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
+from .distinct import distinct_points
 from .rotation import FloatArray
-from .scene import IntArray, Mesh
+from .scene import Mesh, used_vertices
 
 
 def winding_number(point: FloatArray, corners: FloatArray) -> float:
@@ -27,16 +30,19 @@ def winding_number(point: FloatArray, corners: FloatArray) -> float:
 
 def component_points(mesh: Mesh) -> FloatArray:
     """Return one vertex of each connected part of the mesh's surface, (k, 3) m; equal vertices are one vertex."""
-    _, merged = np.unique(mesh.vertices + 0.0, axis=0, return_inverse=True)
-    corners: IntArray = merged.reshape(-1)[mesh.triangles]
+    _, merged = distinct_points(mesh.vertices)
+    corners = np.ascontiguousarray(merged[mesh.triangles].T)
     labels = np.arange(len(mesh.vertices))
     while True:
-        before = labels.copy()
-        np.minimum.at(labels, corners, labels[corners].min(axis=1, keepdims=True))
-        labels = labels[labels]
-        if np.array_equal(labels, before):
+        of_corners = labels[corners]
+        least = of_corners.min(axis=0)
+        if (of_corners == least).all():
             break
-    _, firsts = np.unique(labels[corners[:, 0]], return_index=True)
+        for label in of_corners:  # what a label stands for gets the least label of its triangles
+            np.minimum.at(labels, label, least)
+        while not np.array_equal(labels, following := labels[labels]):
+            labels = following
+    _, firsts = np.unique(least, return_index=True)
     points: FloatArray = mesh.vertices[mesh.triangles[firsts, 0]]
     return points
 
@@ -46,9 +52,14 @@ class Interior:
 
     def __init__(self, mesh: Mesh) -> None:
         """Take a solid mesh."""
-        self._corners = mesh.vertices[mesh.triangles]
-        used = mesh.vertices[np.unique(mesh.triangles)]
+        self._mesh = mesh
+        used = used_vertices(mesh)
         self._low, self._high = used.min(axis=0), used.max(axis=0)
+
+    @cached_property
+    def _corners(self) -> FloatArray:
+        corners: FloatArray = self._mesh.vertices[self._mesh.triangles]
+        return corners
 
     def contains(self, points: FloatArray) -> FloatArray | None:
         """Return the first of the points (k, 3), in the mesh's frame, with |winding number| > 0.5; None if all are out.

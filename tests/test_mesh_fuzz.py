@@ -150,6 +150,23 @@ def whole_files() -> Iterator[tuple[str, Read, Callable[[random.Random], bytes]]
         yield f"ball as {kind}", read, plain(data if isinstance(data, bytes) else data.encode())
 
 
+def test_a_plain_obj_file_is_read_as_one_that_is_read_line_by_line() -> None:
+    """The last line, an indented comment, is what a plain file does not have."""
+    make = plain(b"v 0 0 0 1\nv 1 0 0 1\nv 1 1 0 1\nv 0 1 0 1\nvn 0 0 1\nf 1 2 3 4\nf 1/1 2/2 3/3\nf 1//1 2//1 3//1\n")
+    rng = random.Random(8)
+    for _ in range(3000):
+        data = make(rng)
+        assert outcome(read_obj, data) == outcome(read_obj, data + b"\n #"), data
+
+
+def outcome(read: Read, data: bytes) -> object:
+    try:
+        surface = read(data)
+    except MeshError as error:
+        return error.message, error.line
+    return surface.vertices.tolist(), surface.triangles.tolist(), surface.warnings
+
+
 @pytest.mark.parametrize(
     ("read", "make"), [pytest.param(read, make, id=name) for name, read, make in (*sources(), *whole_files())]
 )

@@ -12,7 +12,7 @@ from mesh_files import POINTS, glb_bytes, glb_parts
 
 from closecall.formats.scene.assembly import MOST_PLACEMENTS, MOST_TRIANGLES
 from closecall.formats.scene.glb import read_glb
-from closecall.formats.scene.surface import MeshError, topology
+from closecall.formats.scene.surface import MeshError, topology, welded
 
 
 def corners_of(data: bytes) -> list[list[list[float]]]:
@@ -104,7 +104,7 @@ def test_a_turned_mesh_stays_closed_where_its_vertices_are_doubled() -> None:
     document["bufferViews"][0]["byteLength"] = 12 * len(soup)
     surface = read_glb(glb_bytes(document, soup.astype("<f4").tobytes()))
     assert len(surface.vertices) == len(soup)
-    assert topology(surface.vertices, surface.triangles).solid
+    assert topology(*welded(surface.vertices, surface.triangles)).solid
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from closecall.formats.scene.meshes import LoadedMesh, MeshFolder
 from closecall.formats.scene.obj import read_obj
 from closecall.formats.scene.shapes import box_mesh, point_mesh, segment_mesh
 from closecall.formats.scene.stl import read_stl
-from closecall.formats.scene.surface import MeshError, topology
+from closecall.formats.scene.surface import MeshError, topology, welded
 
 SHARED = Path(__file__).parents[2] / "shared" / "data"
 needs_shared = pytest.mark.skipif(not SHARED.is_dir(), reason="shared data not there")
@@ -173,9 +173,18 @@ def test_a_surface_is_solid_when_every_edge_joins_two_triangles_at_equal_vertice
     soup[0, 2] = 0.0
     corners = np.arange(12).reshape(4, 3)
     assert topology(closed.vertices, closed.triangles).solid
-    assert topology(soup, corners).solid
-    assert not topology(soup + np.eye(12, 3, dtype=float) * 1e-15, corners).solid
-    assert topology(soup, corners[:3]).loose_edges == 3
+    assert topology(*welded(soup, corners)).solid
+    assert not topology(*welded(soup + np.eye(12, 3, dtype=float) * 1e-15, corners)).solid
+    assert topology(*welded(soup, corners[:3])).loose_edges == 3
+
+
+def test_equal_vertices_of_a_file_are_one(tmp_path: Path) -> None:
+    """An STL file repeats every corner. The first of equals stays, and no triangle moves."""
+    corners = np.array([[[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[-0.0, 0, 0], [0, 1, 0], [0, 0, 1]]], dtype=float)
+    (tmp_path / "t.stl").write_bytes(binary_stl(corners))
+    mesh = load(tmp_path, "t.stl").mesh
+    assert mesh.vertices.tolist() == [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    assert mesh.triangles.tolist() == [[0, 1, 2], [0, 2, 3]]
 
 
 def test_degenerate_triangles_have_no_say_in_closedness_and_are_counted() -> None:

@@ -19,7 +19,7 @@ from .off import read_off
 from .ply import read_ply
 from .shapes import frozen_mesh, scaled_mesh
 from .stl import read_stl
-from .surface import MeshError, Surface, Topology, topology, used_only
+from .surface import MeshError, Surface, Topology, topology, used_only, welded
 from .units import metres_of
 
 
@@ -131,8 +131,9 @@ def _content(path: Path) -> _Content | MeshError:
     except MeshError as error:
         return error
     vertices = np.where(np.abs(surface.vertices) < SMALLEST_NUMBER, 0.0, surface.vertices)
-    joined = topology(vertices, surface.triangles)
-    return _Content(replace(surface, vertices=vertices), joined, hashlib.sha256(data).hexdigest())
+    vertices, triangles = welded(vertices, surface.triangles)
+    joined = replace(surface, vertices=vertices, triangles=triangles)
+    return _Content(joined, topology(vertices, triangles), hashlib.sha256(data).hexdigest())
 
 
 def _mesh(name: str, reference: MeshReference, content: _Content) -> Mesh:

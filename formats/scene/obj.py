@@ -9,6 +9,7 @@ it know the line of a fault.
 from __future__ import annotations
 
 import math
+import re
 from array import array
 from collections.abc import Iterator
 
@@ -29,6 +30,9 @@ def read_obj(data: bytes) -> Surface:
     Raises:
         MeshError: a coordinate or index cannot be read or is out of range, or there are no faces.
     """
+    plain = _read_plain(data)
+    if plain is not None:
+        return plain
     faces = _Faces()
     for line, words in _statements(data):
         keyword = words[0].lower()
@@ -41,6 +45,42 @@ def read_obj(data: bytes) -> Surface:
         elif keyword == b"call":
             raise MeshError("'call' is not supported by this version, put the geometry in one file", line)
     return faces.surface()
+
+
+_PASSED_OVER = (b"v ", b"f ", b"#", b"vn ", b"vt ", b"vp ", b"g", b"o", b"s ", b"usemtl", b"mtllib")
+"""What the lines of a plain file begin with. All but the first two matter not to the shape."""
+
+
+_AFTER_SLASH = re.compile(rb"/[0-9/]*")
+"""What follows the index of a corner's vertex."""
+
+
+def _read_plain(data: bytes) -> Surface | None:
+    """Return the surface of a plain file without a fault, many times faster; None of any other file.
+
+    Every line begins with its keyword and ends its statement, all vertices have as many numbers, and faces count them
+    from 1.
+    """
+    lines = data.splitlines()
+    if b"\\" in data or any(line and not line.startswith(_PASSED_OVER) for line in lines):
+        return None
+    vertices = [line[2:] for line in lines if line.startswith(b"v ")]
+    faces = [line[2:] for line in lines if line.startswith(b"f ")]
+    widths = {len(line.split()) for line in vertices}
+    if not faces or len(widths) != 1 or (width := widths.pop()) < 3:
+        return None
+    numbers, indices = b" ".join(vertices), _AFTER_SLASH.sub(b"", b" ".join(faces))
+    if b"_" in numbers or indices.translate(None, b"0123456789 "):
+        return None
+    try:
+        points: FloatArray = np.array([*map(float, numbers.split())]).reshape(-1, width)[:, :3]
+    except ValueError:
+        return None
+    corners: IntArray = np.fromstring(indices, dtype=np.int64, sep=" ") - 1
+    sizes = np.fromiter((len(line.split()) for line in faces), dtype=np.int64, count=len(faces))
+    if sizes.sum() != len(corners) or sizes.min() < 3 or corners.min() < 0 or corners.max() >= len(points):
+        return None
+    return polygon_surface(points, corners, sizes, ()) if np.isfinite(points).all() else None
 
 
 def _statements(data: bytes) -> Iterator[tuple[int, list[bytes]]]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...scheduler.distinct import distinct_points
 from ...scheduler.scene import FloatArray, IntArray
 
 
@@ -37,7 +38,7 @@ class Surface:
 
 @dataclass(frozen=True, slots=True)
 class Topology:
-    """How the triangles of a surface join where their vertices are exactly equal.
+    """How the triangles of a surface join at their vertices.
 
     Attributes:
         loose_edges: edges that do not join exactly two triangles.
@@ -52,17 +53,23 @@ class Topology:
     solid: bool
 
 
+def welded(vertices: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntArray]:
+    """Return the same surface with exactly equal vertices made one (0.0 and -0.0 are equal), the others in order."""
+    firsts, places = distinct_points(vertices)
+    if len(firsts) == len(vertices):
+        return vertices, triangles
+    return vertices[firsts], places[triangles]
+
+
 def topology(vertices: FloatArray, triangles: IntArray) -> Topology:
     """Return how the triangles join. Those with two equal corners have no say in it.
 
     Args:
-        vertices: (n, 3); 0.0 and -0.0 are equal, nothing else that differs is.
+        vertices: (n, 3), no two of them equal.
         triangles: (m, 3) indices of vertices.
     """
-    _, merged = np.unique(vertices + 0.0, axis=0, return_inverse=True)
-    corners = merged.reshape(-1)[triangles]
-    a, b, c = corners.T
-    whole = corners[(a != b) & (b != c) & (c != a)]
+    a, b, c = triangles.T
+    whole = triangles[(a != b) & (b != c) & (c != a)]
     begins, ends = whole.reshape(-1), np.roll(whole, -1, axis=1).reshape(-1)
     count = len(vertices)
     _, uses = np.unique(np.minimum(begins, ends) * count + np.maximum(begins, ends), return_counts=True)
