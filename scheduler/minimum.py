@@ -74,7 +74,8 @@ class LeastDistance:
             stretch = self._stretches[index]
             if stretch.clearance >= self.target:
                 continue
-            yield from self._descend(stretch)
+            if index == nearest_first[0]:
+                yield from self._descend(stretch.start, stretch.end)
             if not (yield from self._advance(stretch)):
                 return
             clearance = max(stretch.clearance, self.target)
@@ -82,12 +83,14 @@ class LeastDistance:
             verdict = Verdict.CLEAR if clearance > self._pair.margin else stretch.verdict
             self._stretches[index] = stretch._replace(verdict=verdict, clearance=clearance)
 
-    def _descend(self, stretch: Stretch) -> Generator[Found, None, None]:
-        """Measure where the stretch seems to be lowest, by golden sections: a lower target is proved with fewer steps.
+    def _descend(self, early: float, late: float) -> Generator[Found, None, None]:
+        """Measure where the distance seems to be least, by golden sections: a lower target is proved with fewer steps.
 
         Nothing rests on there being one low only, nor on finding it.
+
+        Args:
+            early, late: s, between which to look.
         """
-        early, late = stretch.start, stretch.end
         if self.upper < inf and late - early < STEPS_WORTH_A_DESCENT * self._floor:
             return
         first, second = late - GOLDEN * (late - early), early + GOLDEN * (late - early)
@@ -119,7 +122,10 @@ class LeastDistance:
         """
         time = stretch.start
         while True:
+            target = self.target
             measurement = self._measured(time)
+            if measurement.above < target:
+                yield from self._descend(time, stretch.end)
             stop = min(stretch.end, self._pair.motion.stop_after(time))  # joined stretches may hold jumps
             ahead = stop - time
             sleep, bound = 0.0, Bound.NONE

@@ -236,7 +236,7 @@ class Watch:
     ) -> Iterator[Event]:
         """Tell what is decided between two measurements; of what may be, only that it cannot be is certain."""
         nearest = min(known.above, until.above)
-        self._near |= nearest < inf or not self.pair.far(clearance)
+        self._near |= not (self.pair.possible or self.pair.far(clearance)) or nearest < inf
         if self.pair.possible and verdict is not Verdict.CLEAR:
             verdict, depth_limit = Verdict.POSSIBLE, nan
         yield from self._spans.extend(until.time, verdict, clearance, depth_limit, nearest)

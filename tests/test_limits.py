@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 from small_scenes import box, events_of
 from small_scenes import round_shape as ball
 
-from closecall.scheduler.events import Collision, Distance, Phase, Span, Verdict, Wakeup
+from closecall.scheduler.events import Collision, Distance, Phase, Reason, Span, Verdict, Wakeup
 from closecall.scheduler.motions import Constant, Fixed, Harmonic, Limits
 from closecall.scheduler.narrow_phase import NarrowPhase
 from closecall.scheduler.pairing import pairs_that_might_collide
@@ -219,3 +219,13 @@ def test_a_snapshot_of_somebody_inside_a_solid_says_that_contact_is_possible():
     for time in (0.1, 0.5, 1.0):
         (near,) = observer.at(time, frozenset()).nearest
         assert (near.verdict, near.distance) == (Verdict.POSSIBLE, 0.0)
+
+
+def test_the_least_distance_of_an_unknown_path_is_not_searched():
+    """It may come as near as 0.2 m, so that balls leave little of their gap: there is no path to measure it on."""
+    free = body("free", box(1.0, 1.0, 1.0), 2.8, Limits(0.0, 0.1, 0.2, 1.0))
+    events = events_of(body("still", box(1.0, 1.0, 1.0)), free)
+    assert verdicts(events) == ["CLEAR"]
+    assert spans(events)[0].clearance < 0.5
+    assert not [event for event in events if isinstance(event, Distance)]
+    assert Reason.MINIMUM not in [event.reason for event in events if isinstance(event, Wakeup)]
