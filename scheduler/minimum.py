@@ -63,25 +63,31 @@ class LeastDistance:
         return max(0.0, self.upper - tolerance)
 
     def narrow(self) -> Generator[Found, None, None]:
-        """Go through the stretches that may hold the least distance, nearest first; yield what is measured.
+        """Go through the stretches that may hold the least distance; yield what is measured.
 
         Nothing can be gained where a stretch is unresolved.
         """
-        if any(stretch.clearance <= 0.0 for stretch in self._stretches):
+        stretches = self._stretches
+        if any(stretch.clearance <= 0.0 for stretch in stretches):
             return
-        nearest_first = sorted(range(len(self._stretches)), key=lambda index: self._stretches[index].lowest)
-        for index in nearest_first:
-            stretch = self._stretches[index]
-            if stretch.clearance >= self.target:
-                continue
-            if index == nearest_first[0]:
-                yield from self._descend(stretch.start, stretch.end)
-            if not (yield from self._advance(stretch)):
-                return
-            clearance = max(stretch.clearance, self.target)
-            # What grazed its margin may turn out to have kept it.
-            verdict = Verdict.CLEAR if clearance > self._pair.margin else stretch.verdict
-            self._stretches[index] = stretch._replace(verdict=verdict, clearance=clearance)
+        lowest = min(stretches, key=lambda stretch: (stretch.nearest, stretch.clearance))
+        yield from self._descend(lowest.start, lowest.end)
+        first = 0
+        while first < len(stretches):
+            last = first
+            while last < len(stretches) and stretches[last].clearance < self.target:
+                last += 1
+            if last > first:
+                if not (yield from self._advance(stretches[first].start, stretches[last - 1].end)):
+                    return
+                stretches[first:last] = [self._kept(stretch) for stretch in stretches[first:last]]
+            first = last + 1
+
+    def _kept(self, stretch: Stretch) -> Stretch:
+        """Return a stretch that stays above the target; what grazed its margin may turn out to have kept it."""
+        clearance = max(stretch.clearance, self.target)
+        verdict = Verdict.CLEAR if clearance > self._pair.margin else stretch.verdict
+        return stretch._replace(verdict=verdict, clearance=clearance)
 
     def _descend(self, early: float, late: float) -> Generator[Found, None, None]:
         """Measure where the distance seems to be least, by golden sections: a lower target is proved with fewer steps.
@@ -115,26 +121,25 @@ class LeastDistance:
         yield Wakeup(time, self._pair.key, Reason.MINIMUM, measurement.level, Bound.NONE, measurement.clearance, 0.0)
         return measurement.above
 
-    def _advance(self, stretch: Stretch) -> Generator[Found, None, bool]:
-        """Prove the whole stretch, both ends included, to stay above the target; return whether that was done.
+    def _advance(self, time: float, end: float) -> Generator[Found, None, bool]:
+        """Prove the time (s) until `end`, both included, to stay above the target; return whether that was done.
 
         It ends because each sleep is worth at least the tolerance, and because measurements are limited.
         """
-        time = stretch.start
         while True:
             target = self.target
             measurement = self._measured(time)
             if measurement.above < target:
-                yield from self._descend(time, stretch.end)
-            stop = min(stretch.end, self._pair.motion.stop_after(time))  # joined stretches may hold jumps
+                yield from self._descend(time, end)
+            stop = min(end, self._pair.motion.stop_after(time))  # joined stretches may hold jumps
             ahead = stop - time
             sleep, bound = 0.0, Bound.NONE
-            if time < stretch.end:
+            if time < end:
                 sleep, bound = Outlook(self._pair, measurement, self.target).sleep(ahead, self._floor)
             if (distance := self._pair.distance(measurement)) is not None:
                 yield distance
             yield Wakeup(time, self._pair.key, Reason.MINIMUM, measurement.level, bound, measurement.clearance, sleep)
-            if time >= stretch.end:
+            if time >= end:
                 return True
             woken = stop if sleep >= ahead else min(time + sleep, stop)
             if woken == time or self._left <= 0:

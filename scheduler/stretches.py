@@ -27,11 +27,6 @@ class Stretch(NamedTuple):
     depth_limit: float
     nearest: float
 
-    @property
-    def lowest(self) -> tuple[float, float]:
-        """What orders stretches by where the least distance may be: measured, then certified."""
-        return self.nearest, self.clearance
-
     def joined(self, after: Stretch) -> Stretch:
         """Return this stretch and the one after it, of the same verdict, as one."""
         return Stretch(
