@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Container, Sequence
+from itertools import islice
 from math import degrees, inf, isfinite
 from typing import Any
 
@@ -14,6 +15,7 @@ from rich.text import Text
 
 from ..formats.scene.errors import counted
 from ..formats.scene.loaded import LoadedScene
+from ..scheduler.counting import count_pairs
 from ..scheduler.motions import Ballistic, Delayed, Looped
 from ..scheduler.pair import Pair
 from ..scheduler.pairing import ignored_pairs
@@ -67,9 +69,13 @@ def print_understood(loaded: LoadedScene, pairs: int, margins: list[float]) -> N
     console.print(table)
     if len(scene.bodies) > MOST_ROWS:
         console.print(f"... and {counted(len(scene.bodies) - MOST_ROWS, 'more body', 'more bodies')}")
-    bodies, possible, ignored = counted(len(scene.bodies), "body", "bodies"), _possible(scene), ignored_pairs(scene)
-    others = f"; {len(ignored)} ignored: {_named(scene, ignored)}" if ignored else ""
-    if still := possible - pairs - len(ignored):
+    bodies, possible, ignored = (
+        counted(len(scene.bodies), "body", "bodies"),
+        _possible(scene),
+        count_pairs(scene).ignored,
+    )
+    others = f"; {ignored} ignored: {_named_ignored(scene, ignored)}" if ignored else ""
+    if still := possible - pairs - ignored:
         others += f"; {still} never move relative to each other, or never meet in time"
     console.print(f"{bodies}, {pairs} of {counted(possible, 'pair')} to check{others}")
     margins = [margin for margin in margins if margin > 0.0]
@@ -79,10 +85,11 @@ def print_understood(loaded: LoadedScene, pairs: int, margins: list[float]) -> N
     console.print(f"from {scene.start:g} to {scene.end:g} s, time resolution {settings.time_resolution:g} s")
 
 
-def _named(scene: Scene, pairs: Sequence[tuple[int, int]]) -> str:
-    """Return the names of the first pairs."""
-    names = [f"{scene.bodies[a].name}|{scene.bodies[b].name}" for a, b in pairs[:MOST_NAMED]]
-    return ", ".join(names) + (f" and {len(pairs) - MOST_NAMED} more" if len(pairs) > MOST_NAMED else "")
+def _named_ignored(scene: Scene, count: int) -> str:
+    """Return the names of the first of so many ignored pairs."""
+    first = islice(ignored_pairs(scene), min(count, MOST_NAMED))
+    names = [f"{scene.bodies[a].name}|{scene.bodies[b].name}" for a, b in first]
+    return ", ".join(names) + (f" and {count - MOST_NAMED} more" if count > MOST_NAMED else "")
 
 
 def _possible(scene: Scene) -> int:

@@ -93,6 +93,11 @@ class PairSet:
         a, b = pair
         return (a in self.one and b in self.other) or (b in self.one and a in self.other)
 
+    def partners(self, body: int) -> frozenset[int]:
+        """Return the bodies that a body is in one of them with."""
+        nobody = frozenset[int]()
+        return (self.other if body in self.one else nobody) | (self.one if body in self.other else nobody)
+
 
 @dataclass(frozen=True, slots=True)
 class PairRules:
