@@ -26,7 +26,7 @@ STEPS_WORTH_A_DESCENT = 16.0
 #: The golden section.
 GOLDEN = 0.6180339887498949
 #: Bounding spheres settle a measurement above this many times the target.
-SPHERES_SUFFICE = 2.0
+SPHERES_SUFFICE = 1.25
 
 Found = Wakeup | Distance
 
@@ -147,10 +147,8 @@ class LeastDistance:
             time = woken
 
     def _measured(self, time: float) -> Measurement:
-        """Measure the pair, exactly where bounding spheres leave less than the target again to sleep on."""
+        """Measure the pair, exactly where bounding spheres leave little more than the target to sleep on."""
         self._left -= 1
-        measurement = self._pair.measure(time)
-        if measurement.proximity is None and measurement.clearance < SPHERES_SUFFICE * self.target:
-            measurement = self._pair.measure_exactly(time)
+        measurement = self._pair.measure_beyond(time, SPHERES_SUFFICE * self.target)
         self.upper = min(self.upper, measurement.above)
         return measurement

@@ -109,10 +109,14 @@ class Pair:
 
     def measure(self, t: float) -> Measurement:
         """Measure how far apart the surfaces are at t; whether one is inside the other is asked separately."""
+        return self.measure_beyond(t, self.margin + SPHERES_SUFFICE * self._radii)
+
+    def measure_beyond(self, t: float, far: float) -> Measurement:
+        """Measure the same, by bounding spheres where they are farther apart than `far` m."""
         moments = self.motion.at(t)
         centres = norm(subtract(moments.a.centre, moments.b.centre))
         clearance = centres - self._radii - self.motion.spread(t) - self.error
-        if self.far(clearance) and not self._round:
+        if clearance > far and not self._round:
             return Measurement(t, moments, Level.SPHERE, clearance, inf, self.margin, None)
         return self._measured_exactly(t, moments)
 
