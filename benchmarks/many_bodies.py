@@ -10,20 +10,20 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
-import sys
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from math import log
 from pathlib import Path
-from subprocess import PIPE, Popen
 from tempfile import TemporaryDirectory
-from time import perf_counter
 from typing import Any
 
 import numpy as np
 import trimesh
 from mcap.reader import make_reader
+
+from .command import run_command
+from .table import Row
 
 SECONDS = 5.0
 MODELS = 4
@@ -88,26 +88,40 @@ def run(bodies: int, apart: float, options: list[str]) -> Cost:
     with TemporaryDirectory() as name:
         folder = Path(name)
         scene, out = write_scene(bodies, folder, apart), folder / "out.mcap"
-        command = [sys.executable, "-m", "closecall", "run", str(scene), "-o", str(out), "--rate", "0", "--json"]
-        command += ["--max-bytes", str(2**30), *options]
-        began = perf_counter()
-        child = Popen(command, stdout=PIPE)
-        assert child.stdout is not None
-        told = json.loads(child.stdout.read())
-        _, status, usage = os.wait4(child.pid, 0)
-        wall = perf_counter() - began
-        assert status == 0
+        ran = run_command(scene, out, "--rate", "0", "--max-bytes", str(2**30), *options)
         with out.open("rb") as log_file:
             metadata = {record.name: record.metadata for record in make_reader(log_file).iter_metadata()}
     counts = {topic: int(metadata["closecall"].get(f"count/{topic}", 0)) for topic in ("wakeups", "windows", "spans")}
+    told = ran.told
     counts["examined"] = len(told["pairs"])
-    cpu = usage.ru_utime + usage.ru_stime
-    return Cost(bodies, cpu, wall, usage.ru_maxrss / 1e3, counts, told["totals"]["pairs"], told["seconds"])
+    return Cost(bodies, ran.cpu, ran.wall, ran.memory, counts, told["totals"]["pairs"], told["seconds"])
 
 
 def exponent(first: Cost, last: Cost, name: str) -> float:
     """Return the power of the number of bodies that a cost grows with."""
     return float(log(getattr(last, name) / getattr(first, name)) / log(last.bodies / first.bodies))
+
+
+def rows(sizes: list[int], apart: float) -> Iterator[Row]:
+    """Yield the rows of the table: how CPU time and memory grow, and what the largest may take."""
+    costs = [run(size, apart, []) for size in sizes]
+    case = f"rocks of 320 triangles, {apart:g} m apart, {SECONDS:g} s"
+    for cost in costs:
+        target, met = "", None
+        if cost.bodies == 10_000:
+            target, met = "within 60 s", cost.cpu <= 60.0
+        elif cost.bodies == 100_000:
+            target, met = "within 16 GiB", cost.memory <= 16 * 2**30 / 1e6
+        yield Row(f"{cost.bodies} {case}", f"{cost.cpu:.1f} CPU s, {cost.memory:.0f} MB", target, met)
+    for name, most in (("cpu", 1.15), ("memory", 1.05)):
+        grows = fitted(costs, name)
+        yield Row(f"{sizes[0]} to {sizes[-1]} {case}: {name}", f"n^{grows:.2f}", f"n^{most} at most", grows <= most)
+
+
+def fitted(costs: list[Cost], name: str) -> float:
+    """Return the power of the number of bodies that a cost grows with, by least squares over all of them."""
+    sizes, values = ([log(getattr(cost, kind)) for cost in costs] for kind in ("bodies", name))
+    return float(np.polyfit(sizes, values, 1)[0])
 
 
 def main() -> None:
