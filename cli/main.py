@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import sys
 from importlib import import_module
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import click
 
@@ -15,6 +17,8 @@ COMMANDS = {
     "check": "Check a scene and tell what was understood.",
     "summary": "Print what a log found, worst pairs first.",
     "diff": "Compare a log with a golden one, by what they say.",
+    "export": "Write a log's messages as tables: CSV, NDJSON, Parquet.",
+    "extract": "Take a part of a log, or a file that travels with it.",
     "schema": "Print the JSON Schema of the scene file.",
 }
 
@@ -33,6 +37,17 @@ class LazyGroup(click.Group):
         command = import_module(f"closecall.cli.{cmd_name}").command
         assert isinstance(command, click.Command)
         return command
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command; end quietly where the reader of its pipe went away, which click would call a failure."""
+        try:
+            code = super().invoke(ctx)
+            sys.stdout.flush()
+        except BrokenPipeError:
+            # what is still buffered goes nowhere, for it would fail again on the way out
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            sys.exit(128 + signal.SIGPIPE)
+        return code
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List the commands without importing them."""
@@ -58,7 +73,4 @@ def main() -> NoReturn:
         sys.exit(2)
     except (click.Abort, KeyboardInterrupt):
         sys.exit(130)
-    except BrokenPipeError:
-        sys.stderr.close()
-        sys.exit(141)
     sys.exit(code)

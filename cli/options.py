@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import nan
+from math import inf, nan
 from pathlib import Path
-from typing import Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import click
+
+if TYPE_CHECKING:
+    from ..formats.log.choice import Choice
 
 #: Verdicts that a run may be told to fail on.
 FINDINGS = ("contact", "breach", "unresolved", "possible")
@@ -49,12 +52,16 @@ class RunOptions:
     verbose: bool
 
 
-def _findings(ctx: click.Context, param: click.Parameter, value: str | None) -> tuple[str, ...]:
-    """Split a comma-separated choice of verdicts and check each."""
-    chosen = tuple(part.strip() for part in value.split(",")) if value is not None else ()
-    for part in chosen:
-        if part not in FINDINGS:
-            raise click.BadParameter(f"{part!r} is not one of {', '.join(FINDINGS)}.", ctx, param)
+def one_or_more_of(allowed: Sequence[str]) -> Callable[[click.Context, click.Parameter, str | None], tuple[str, ...]]:
+    """Return a callback that splits a comma-separated choice and checks each part."""
+
+    def chosen(ctx: click.Context, param: click.Parameter, value: str | None) -> tuple[str, ...]:
+        parts = tuple(part.strip() for part in value.split(",")) if value is not None else ()
+        for part in parts:
+            if part not in allowed:
+                raise click.BadParameter(f"{part!r} is not one of {', '.join(allowed)}.", ctx, param)
+        return parts
+
     return chosen
 
 
@@ -81,6 +88,14 @@ def _rate(ctx: click.Context, param: click.Parameter, value: float | None) -> fl
 
 
 _PATH = click.Path(path_type=Path)
+_CHOICE_OPTIONS = (
+    click.option("--topic", "topics", multiple=True, metavar="GLOB", help="Only such topics ('/spans', '/viz/*')."),
+    click.option(
+        "--pair", "pairs", multiple=True, metavar="GLOB", help="Only such pairs ('arm|*') or bodies ('tool*')."
+    ),
+    click.option("--from", "start", type=float, metavar="S", help="From this time on, scene seconds."),
+    click.option("--to", "end", type=float, metavar="S", help="Up to this time, scene seconds."),
+)
 _SCENE_OPTIONS = (
     click.option(
         "--mesh-root", "mesh_roots", multiple=True, type=_PATH, metavar="DIR", help="Files may come from here too."
@@ -109,7 +124,9 @@ _OPTIONS = (
         metavar="SHARE",
         help="Certify each least distance to this share of it, or none.  [default: 0.01]",
     ),
-    click.option("--fail-on", callback=_findings, metavar="WHAT", help=f"Exit 1 if found: {','.join(FINDINGS)}."),
+    click.option(
+        "--fail-on", callback=one_or_more_of(FINDINGS), metavar="WHAT", help=f"Exit 1 if found: {','.join(FINDINGS)}."
+    ),
     click.option("--epoch", type=int, default=0, show_default=True, metavar="NS", help="Added to log times, ns."),
     click.option("--compression", type=click.Choice(["zstd", "lz4", "none"]), default="zstd", show_default=True),
     click.option("--attach-meshes/--no-attach-meshes", default=True, help="Keep the mesh files in the log, or not."),
@@ -171,6 +188,25 @@ def run_options(function: AnyFunction) -> AnyFunction:
 def scene_options(function: AnyFunction) -> AnyFunction:
     """Add the options of reading a scene to a command: mesh_roots, max_bytes, max_pairs, strict."""
     return _with(_SCENE_OPTIONS, function)
+
+
+def choice_options(function: AnyFunction) -> AnyFunction:
+    """Add the options that say which messages of a log are wanted: topics, pairs, start, end."""
+    return _with(_CHOICE_OPTIONS, function)
+
+
+def choice_of(topics: tuple[str, ...], pairs: tuple[str, ...], start: float | None, end: float | None) -> Choice:
+    """Return what the options of a choice say.
+
+    Raises:
+        click.BadParameter: for an interval that ends before it begins.
+    """
+    from ..formats.log.choice import Choice
+
+    low, high = -inf if start is None else start, inf if end is None else end
+    if not low <= high:
+        raise click.BadParameter(f"expected --from before --to, got {start} and {end}.", param_hint="--from")
+    return Choice(topics, pairs, low, high)
 
 
 def _with(options: Sequence[Callable[[AnyFunction], AnyFunction]], function: AnyFunction) -> AnyFunction:

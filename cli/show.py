@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from decimal import ROUND_FLOOR, Context
+from math import inf
 from typing import Any
 
 import click
@@ -29,9 +30,17 @@ SEVERITY = ("contact", "breach", "unresolved", "possible", "clear")
 STYLES = {"contact": "bold red", "breach": "red", "unresolved": "yellow", "possible": "yellow", "clear": "green"}
 
 
+class _Console(Console):
+    """A console that lets its caller know that the reader of its pipe went away."""
+
+    def on_broken_pipe(self) -> None:
+        """Raise what rich would turn into a failure."""
+        raise BrokenPipeError
+
+
 def console_for(to_stderr: bool = False) -> Console:
     """Return a console as wide as the terminal; down a pipe, wide enough to keep a row in one line for grep."""
-    console = Console(highlight=False, stderr=to_stderr)
+    console = _Console(highlight=False, stderr=to_stderr)
     if not console.is_terminal and "COLUMNS" not in os.environ:
         console.width = WIDTH_OF_A_PIPE
     return console
@@ -53,20 +62,33 @@ def print_seconds(seconds: Mapping[str, float]) -> None:
     click.echo("seconds: " + ", ".join(f"{name} {value:.3f}" for name, value in seconds.items()), err=True)
 
 
-def print_summary(summary: Summary, to_stderr: bool = False) -> None:
-    """Print the worst pairs first, and the totals."""
-    pairs = sorted(summary["pairs"], key=_badness)
+def print_summary(
+    summary: Summary, shown: list[PairSummary] | None = None, chosen: int | None = None, to_stderr: bool = False
+) -> None:
+    """Print pairs, and the totals of all.
+
+    Args:
+        summary: of the run.
+        shown: the pairs to print; the worst if not given.
+        chosen: how many there would be to print, all if not given.
+    """
+    if shown is None:
+        shown = sorted(summary["pairs"], key=_badness)[:MOST_ROWS]
+    more = (len(summary["pairs"]) if chosen is None else chosen) - len(shown)
     console = console_for(to_stderr)
     table = Table(box=None, pad_edge=False, header_style="bold")
     for column, justify in (("pair", "left"), ("verdict", "left"), ("least distance", "left"), ("when", "left")):
         table.add_column(column, justify=justify, overflow="fold")  # type: ignore[arg-type]
-    for pair in pairs[:MOST_ROWS]:
+    for pair in shown:
         verdict = pair["verdict"]
         name = Text(pair["pair"].replace("|", " | "))
         table.add_row(name, Text(verdict, STYLES[verdict]), Text(_distance(pair)), Text(_contacts(pair)))
-    console.print(table)
-    if len(pairs) > MOST_ROWS:
-        console.print(f"... and {counted(len(pairs) - MOST_ROWS, 'more pair')}")
+    if shown or not summary["pairs"]:
+        console.print(table)
+    else:
+        console.print("no pair is such")
+    if more:
+        console.print(f"... and {counted(more, 'more pair')}")
     counts = summary["totals"]["pairs"]
     found = ", ".join(f"{counts[verdict]} {verdict}" for verdict in SEVERITY if counts.get(verdict))
     start, end = summary["time"]
@@ -75,10 +97,33 @@ def print_summary(summary: Summary, to_stderr: bool = False) -> None:
     console.print(f"{pairs_told} over [{_seconds(start)}, {_seconds(end)}] s: {found or 'nothing to check'}{ignored}")
 
 
-def _badness(pair: PairSummary) -> tuple[int, float, str]:
-    """Return the sorting key of a pair: by verdict, then by the least distance measured, else certified."""
+def _nearness(pair: PairSummary) -> float:
+    """Return the least distance measured, else certified, m."""
     upper = pair["distance"]["upper"]
-    return SEVERITY.index(pair["verdict"]), pair["distance"]["lower"] if upper is None else upper, pair["pair"]
+    return pair["distance"]["lower"] if upper is None else upper
+
+
+def _badness(pair: PairSummary) -> tuple[int, float, str]:
+    """Return the sorting key of a pair: by verdict, then by the least distance."""
+    return SEVERITY.index(pair["verdict"]), _nearness(pair), pair["pair"]
+
+
+def _earliness(pair: PairSummary) -> float:
+    """Return when, s, the verdict of a pair shows first, else its least distance."""
+    firsts = [one["begin"][1] for one in pair["contacts"][:1]]
+    firsts += [low for kind in ("breaches", "unresolved", "possible") for low, _ in pair[kind][:1]]
+    time = pair["distance"]["time"]
+    return min(firsts, default=inf if time is None else time)
+
+
+#: How pairs may be sorted; by wakeups, the most first.
+ORDERS: dict[str, Callable[[PairSummary], Any]] = {
+    "severity": _badness,
+    "distance": lambda pair: (_nearness(pair), pair["pair"]),
+    "time": lambda pair: (_earliness(pair), pair["pair"]),
+    "name": lambda pair: pair["pair"],
+    "wakeups": lambda pair: (-pair["wakeups"], pair["pair"]),
+}
 
 
 def _distance(pair: PairSummary) -> str:

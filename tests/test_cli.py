@@ -2,9 +2,11 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 from cli_process import SPHERES, closecall
+from diff_logs import run_scene, write_scene
 
 
 @pytest.fixture
@@ -46,6 +48,36 @@ def test_json_is_the_logs_summary_with_the_seconds(scene, tmp_path):
 def test_summary_prints_the_same_table_as_the_run(scene, tmp_path):
     ran = closecall("run", scene, "-o", "out.mcap", cwd=tmp_path)
     assert closecall("summary", "out.mcap", cwd=tmp_path).stdout == ran.stdout
+
+
+def test_summary_filters_sorts_and_limits(tmp_path):
+    run_scene(write_scene(tmp_path), tmp_path / "out.mcap")
+
+    def rows(*options: str) -> list[str]:
+        printed = closecall("summary", "out.mcap", *options, cwd=tmp_path).stdout.splitlines()
+        return [line.split("  ")[0] for line in printed if " | " in line]
+
+    def pairs(*options: str) -> list[dict[str, Any]]:
+        printed: dict[str, Any] = json.loads(closecall("summary", "out.mcap", "--json", *options, cwd=tmp_path).stdout)
+        assert printed["pairs_total"] == sum(printed["totals"]["pairs"].values()) == 9
+        listed: list[dict[str, Any]] = printed["pairs"]
+        return listed
+
+    everything = pairs()
+    assert len(everything) == 9
+    assert rows("--pair", "wall|*") == ["arm | wall", "wall | ball"]
+    assert rows("--pair", "wall", "--verdict", "contact,breach") == ["arm | wall"]
+    assert [pair["pair"] for pair in pairs("--verdict", "breach")] == ["ball|post"]
+    uppers = [pair["distance"]["upper"] or pair["distance"]["lower"] for pair in pairs("--sort", "distance")]
+    assert uppers == sorted(uppers)
+    assert [pair["pair"] for pair in pairs("--sort", "name")] == sorted(pair["pair"] for pair in everything)
+    wakeups = [pair["wakeups"] for pair in pairs("--sort", "wakeups", "--limit", "4")]
+    assert wakeups == sorted((pair["wakeups"] for pair in everything), reverse=True)[:4]
+    assert rows("--sort", "time", "--limit", "1") == ["arm | rail"]
+    limited = closecall("summary", "out.mcap", "--limit", "2", cwd=tmp_path).stdout
+    assert "... and 7 more pairs" in limited
+    assert "no pair is such" in closecall("summary", "out.mcap", "--pair", "none", cwd=tmp_path).stdout
+    assert "'bad' is not one of contact" in closecall("summary", "out.mcap", "--verdict", "bad", cwd=tmp_path).stderr
 
 
 def test_options_override_the_scenes_settings(scene, tmp_path):

@@ -152,6 +152,19 @@ def test_contacts_are_brackets_in_time_order_whatever_the_order_found():
         assert summary["totals"]["contacts"] == 3
 
 
+def test_a_begin_or_an_end_that_is_lost_shifts_no_other():
+    begins = [collision(FIRST, Phase.BEGIN, time - 0.1, time) for time in (2.0, 4.0)]
+    ends = [collision(FIRST, Phase.END, time + 0.1, time) for time in (1.0, 5.0)]
+    contacts = folded(*begins, *ends)["pairs"][0]["contacts"]
+    assert [(one["begin"][1], one["end"]) for one in contacts] == [(2.0, None), (4.0, [5.0, 5.1])]
+
+
+def test_a_contact_of_one_instant_has_its_own_end():
+    events = [collision(FIRST, phase, 2.0, 2.0) for phase in (Phase.BEGIN, Phase.END)]
+    (contact,) = folded(*events)["pairs"][0]["contacts"]
+    assert (contact["begin"], contact["end"]) == ([2.0, 2.0], [2.0, 2.0])
+
+
 def test_contacts_name_the_keys_that_each_body_is_between_where_they_begin():
     asked = []
 

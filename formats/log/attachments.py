@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, cast
 
@@ -14,7 +12,7 @@ from mcap.summary import Summary as Index
 from mcap.writer import MCAP0_MAGIC
 
 from .errors import DamagedLogError, LogError
-from .records import DAMAGE, RECORD_HEAD, RecordFile, attachment_content
+from .records import DAMAGE, RECORD_HEAD, RecordFile, read_attachment_record, reading
 
 NAME_A_LOG = "name a log that closecall wrote"
 
@@ -25,10 +23,10 @@ def read_attachment(path: Path, name: str) -> bytes:
     Raises:
         LogError: for a file that is missing, unfinished, damaged, or holds no such attachment.
     """
-    with opened(path) as file:
+    with reading(path), opened(path) as file:
         _require_both_ends(path, file)
         try:
-            index = next((index for index in read_index(file).attachment_indexes if index.name == name), None)
+            index = next((index for index in read_index(path, file).attachment_indexes if index.name == name), None)
             if index is None:
                 raise _foreign(path)
             return _read_indexed(path, file, index)
@@ -36,30 +34,26 @@ def read_attachment(path: Path, name: str) -> bytes:
             raise _damaged(path, "its index cannot be read") from error
 
 
-@contextmanager
-def opened(path: Path) -> Iterator[IO[bytes]]:
-    """Open a log, and let what the system refuses while it is read be one line.
+def opened(path: Path) -> IO[bytes]:
+    """Return a log, open.
 
     Raises:
         LogError: for what is no plain file, or cannot be read.
     """
-    try:
+    with reading(path):
         if not path.is_file():
             problem = "is not a plain file" if path.exists() else "does not exist"
             raise LogError(path, problem, NAME_A_LOG)
-        with path.open("rb") as file:
-            yield file
-    except OSError as error:
-        raise LogError(path, f"cannot read: {error.strerror or error}", "check the file and its folder") from error
+        return path.open("rb")
 
 
-def read_index(file: IO[bytes]) -> Index:
+def read_index(path: Path, file: IO[bytes]) -> Index:
     """Return the index at the end of a finished log, empty where it has none.
 
     Raises:
         one of `DAMAGE`: for an index that cannot be read.
     """
-    RecordFile(file).require_index()
+    RecordFile(path, file).require_index()
     file.seek(0)
     return SeekingReader(cast(IO[bytes], _BoundedFile(file))).get_summary() or Index()
 
@@ -90,7 +84,7 @@ def _require_both_ends(path: Path, file: IO[bytes]) -> None:
 def _read_indexed(path: Path, file: IO[bytes], index: AttachmentIndex) -> bytes:
     file.seek(index.offset)
     try:
-        return attachment_content(_BoundedFile(file).read(index.length)[RECORD_HEAD.size :])
+        return read_attachment_record(_BoundedFile(file).read(index.length)[RECORD_HEAD.size :]).data
     except ValueError as error:
         raise _damaged(path, f"the checksum of {index.name} does not match") from error
 

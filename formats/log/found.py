@@ -73,8 +73,8 @@ def read_found(path: Path) -> Found:
     except LogError:
         found = fold(path)
     with LogReader(path) as log:
-        carried = log.attachment(SUMMARY)
-    summary = None if carried is None else _as_summary(carried)
+        carried = next(log.attachments(SUMMARY), None)
+    summary = None if carried is None else _as_summary(carried.data)
     return found if summary is None else Found(summary, found.loss)
 
 
@@ -88,7 +88,7 @@ def fold(path: Path, topics: Sequence[str] = FACTS) -> Found:
         LogError: as `read_found`.
     """
     with LogReader(path) as log:
-        folding = _Folding(log.identity)
+        folding = Folding(log.identity)
         for _, log_time, message in log.facts(*topics):
             try:
                 folding.add(message, log.identity.seconds(log_time))
@@ -97,7 +97,7 @@ def fold(path: Path, topics: Sequence[str] = FACTS) -> Found:
         return folding.found(log.loss)
 
 
-class _Folding:
+class Folding:
     """A log's messages on their way into a summary."""
 
     def __init__(self, identity: Identity) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib import import_module
@@ -15,7 +15,7 @@ from typing import Any, Self, cast
 
 from google.protobuf.message import DecodeError, Message
 from mcap.opcode import Opcode
-from mcap.records import Channel, Metadata, Schema
+from mcap.records import Attachment, Channel, Metadata, Schema
 from mcap.writer import MCAP0_MAGIC
 
 from ..scene.errors import counted
@@ -30,8 +30,8 @@ from .records import (
     DamageError,
     Record,
     RecordFile,
-    attachment_content,
     chunk_content,
+    read_attachment_record,
     read_stream,
 )
 
@@ -50,6 +50,11 @@ class Source:
 
     topic: str
     kind: type[Message] | None
+
+    @property
+    def shared_topic(self) -> str:
+        """The topic, of those by body without the body."""
+        return "/distances" if self.topic.startswith("/distances/") else self.topic
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,12 +91,14 @@ class LogReader:
     Attributes:
         path: of the log.
         identity: what the log says of its run.
+        values: the same, as the log has it.
 
     Raises:
         LogError: for a file that is missing, or not a log of closecall.
     """
 
     identity: Identity
+    values: dict[str, str]
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -108,7 +115,7 @@ class LogReader:
     def __enter__(self) -> Self:
         self._file = self._open.enter_context(opened(self.path))
         try:
-            self._records = RecordFile(self._file)
+            self._records = RecordFile(self.path, self._file)
             if not self._records.begins_well():
                 raise LogError(self.path, "is not an MCAP file", NAME_A_LOG)
             self.identity = self._find_identity()
@@ -169,15 +176,18 @@ class LogReader:
         """Count the chunk under way as damaged, for one of its messages cannot be true."""
         self._faults.append(DamageError(self._offset, problem))
 
-    def attachment(self, name: str) -> bytes | None:
-        """Return a file that travels with the log, whether or not its index is whole; None if it is not there whole."""
-        try:
+    def attachments(self, *names: str) -> Iterator[Attachment]:
+        """Yield the files that travel with the log, whether or not its index is whole; those not whole are passed over.
+
+        Args:
+            names: those wanted; all if none are named.
+        """
+        with suppress(DamageError):
             for record in self._records.heads():
-                if record.opcode == Opcode.ATTACHMENT and self._attachment_name(record) == name:
-                    return attachment_content(self._records.body(record))
-        except DAMAGE:
-            pass
-        return None
+                if record.opcode == Opcode.ATTACHMENT:
+                    with suppress(*DAMAGE):
+                        if not names or self._attachment_name(record) in names:
+                            yield read_attachment_record(self._records.body(record))
 
     def _attachment_name(self, record: Record) -> str:
         head = self._records.body(replace(record, length=min(record.length, _ATTACHMENT_HEAD_BYTES)))
@@ -192,7 +202,8 @@ class LogReader:
                     try:
                         metadata = Metadata.read(read_stream(self._records.body(record)))
                         if metadata.name in (METADATA_AT_START, METADATA):
-                            return read_identity(metadata.metadata)
+                            self.values = dict(metadata.metadata)
+                            return read_identity(self.values)
                     except DAMAGE:
                         problem = f"byte {record.offset}: what it says of its run cannot be read"
         except DamageError as error:
@@ -262,7 +273,7 @@ class LogReader:
 
     def _look_up(self, channel: int) -> None:
         """Take note of the channels by the index at the end, for the chunk that told of this one was lost."""
-        index = read_index(self._file)
+        index = read_index(self.path, self._file)
         self._schemas.update((schema.id, schema.name) for schema in index.schemas.values())
         for told in index.channels.values():
             self._add_channel(told)

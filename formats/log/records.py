@@ -5,11 +5,13 @@ from __future__ import annotations
 import os
 import zlib
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from io import BytesIO
+from pathlib import Path
 from struct import Struct
 from struct import error as StructError  # noqa: N812
-from typing import IO, cast
+from typing import IO
 
 import lz4.frame
 import zstandard
@@ -19,6 +21,8 @@ from mcap.opcode import Opcode
 from mcap.records import Attachment, Chunk, DataEnd
 from mcap.stream_reader import get_chunk_data_stream
 from mcap.writer import MCAP0_MAGIC
+
+from .errors import LogError
 
 RECORD_HEAD = Struct("<BQ")  # opcode, length
 _FOOTER = Struct("<BQQQI")  # opcode, length, where the index and the groups in it begin, checksum
@@ -85,9 +89,14 @@ class Record:
 
 
 class RecordFile:
-    """An MCAP file as records. Takes memory for one record at a time, and time that grows with the file alone."""
+    """An MCAP file as records. Takes memory for one record at a time, and time that grows with the file alone.
 
-    def __init__(self, file: IO[bytes]) -> None:
+    Raises:
+        LogError: from any method, where the system refuses to read.
+    """
+
+    def __init__(self, path: Path, file: IO[bytes]) -> None:
+        self._path = path
         self._file = file
         self.size = os.fstat(file.fileno()).st_size
 
@@ -167,8 +176,22 @@ class RecordFile:
         return crc
 
     def _bytes(self, offset: int, length: int) -> bytes:
-        self._file.seek(offset)
-        return self._file.read(max(0, min(length, self.size - offset)))
+        with reading(self._path):
+            self._file.seek(offset)
+            return self._file.read(max(0, min(length, self.size - offset)))
+
+
+@contextmanager
+def reading(path: Path) -> Iterator[None]:
+    """Let what the system refuses while a log is opened or read be one line.
+
+    Raises:
+        LogError: for an OSError.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise LogError(path, f"cannot read: {error.strerror or error}", "check the file and its folder") from error
 
 
 def chunk_content(body: bytes) -> bytes:
@@ -206,8 +229,8 @@ def _declared_size(chunk: Chunk) -> int | None:
     return len(chunk.data)
 
 
-def attachment_content(body: bytes) -> bytes:
-    """Return the file inside an attachment's record, its checksum verified; one of 0 is none.
+def read_attachment_record(body: bytes) -> Attachment:
+    """Return a file that travels with a log, its checksum verified; one of 0 is none.
 
     Raises:
         ValueError, or another of `DAMAGE`: for an attachment that is not as it says.
@@ -215,7 +238,8 @@ def attachment_content(body: bytes) -> bytes:
     crc = int.from_bytes(body[-_CRC_BYTES:], "little")
     if crc not in (0, zlib.crc32(body[:-_CRC_BYTES])):
         raise ValueError("the checksum does not match")
-    return cast(bytes, Attachment.read(read_stream(body)).data)
+    attachment: Attachment = Attachment.read(read_stream(body))
+    return attachment
 
 
 def read_stream(data: bytes) -> ReadDataStream:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from bisect import bisect_left
 from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from itertools import zip_longest
 from math import inf, isfinite
+from operator import itemgetter
 from typing import TypedDict
 
 from closecall import __version__
@@ -150,10 +152,18 @@ class _Brackets:
             self.ends.append((time_touching, time_clear))
 
     def pairs(self) -> list[tuple[list[float], list[float] | None]]:
-        """Return each contact's begin and end in time order, in whatever order they were found: both alternate."""
-        ends = (list(end) for end in sorted(self.ends))
-        begins = (list(begin) for begin in sorted(self.begins, key=lambda bracket: bracket[1]))
-        return [(begin, end) for begin, end in zip_longest(begins, ends) if begin is not None]
+        """Return each contact's begin and end in time order, in whatever order they were found.
+
+        Both alternate; where a log lost some, a begin has the end that follows it before the next begin, if any.
+        """
+        ends = sorted(self.ends)
+        begins = sorted(self.begins, key=itemgetter(1))
+        found: list[tuple[list[float], list[float] | None]] = []
+        for begin, following in zip_longest(begins, begins[1:], fillvalue=(inf, inf)):
+            later = bisect_left(ends, (begin[1], -inf))
+            end = ends[later] if later < len(ends) and ends[later][0] <= following[1] else None
+            found.append((list(begin), None if end is None else list(end)))
+        return found
 
 
 @dataclass(frozen=True, slots=True)

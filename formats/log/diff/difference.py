@@ -9,6 +9,7 @@ from enum import Enum
 from fnmatch import fnmatchcase
 from math import inf, isnan
 
+from ..choice import is_pair_among
 from ..reader import Loss
 
 Value = float | str | None
@@ -115,16 +116,8 @@ class Ignored:
         return self.topic(f"{topic}.{name}")
 
     def pair(self, pair: str) -> bool:
-        """Tell whether a pair, "a|b", is left out; of a body's own name, whether that body is."""
-        body_a, _, body_b = pair.partition("|")
-        names = (pair, f"{body_b}|{body_a}", body_a, body_b)
-        return any(
-            fnmatchcase(name, pattern)
-            for pattern in self.patterns
-            if not pattern.startswith("/")
-            for name in names
-            if ("|" in name) is ("|" in pattern)
-        )
+        """Tell whether a pair, "a|b", is left out."""
+        return is_pair_among(pair, (pattern for pattern in self.patterns if not pattern.startswith("/")))
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,68 @@
+"""`closecall export`: a log's messages as tables."""
+
+from __future__ import annotations
+
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+import click
+
+from .faults import exit_code_of, faults_reported
+from .options import choice_of, choice_options
+
+
+@click.command("export")
+@click.argument("log", type=click.Path(path_type=Path))
+@click.option(
+    "--format",
+    "kind",
+    type=click.Choice(["csv", "ndjson", "parquet"]),
+    default="csv",
+    show_default=True,
+    help="Of the tables.",
+)
+@choice_options
+@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="DIR", help="A file for every table, in here.")
+@click.option("-q", "--quiet", is_flag=True, help="Do not tell what was written.")
+def command(
+    log: Path,
+    kind: str,
+    output: Path | None,
+    quiet: bool,
+    topics: tuple[str, ...],
+    pairs: tuple[str, ...],
+    start: float | None,
+    end: float | None,
+) -> int:
+    """Write LOG's messages as tables: one topic to standard output, or each into a file of its own.
+
+    Tables are wakeups, distances, collisions, spans, windows, world, tf and log; docs/tables.md tells their columns.
+
+    \b
+    Examples:
+      closecall export out.mcap --topic /distances
+      closecall export out.mcap --topic /spans --pair 'arm|*' --from 1 --to 2 --format ndjson
+      closecall export out.mcap --format parquet -o tables
+    """
+    from ..formats.log.choice import Choice
+    from ..formats.log.export import chosen_tables, export_table, export_tables
+
+    if kind == "parquet" and find_spec("pyarrow") is None:
+        raise click.UsageError("Parquet needs pyarrow: pip install 'closecall[parquet]'")
+    choice = choice_of(topics, pairs, start, end)
+    tables = chosen_tables(choice)
+    if not tables:
+        names = ", ".join(f"/{table.name}" for table in chosen_tables(Choice()))
+        raise click.BadParameter(f"no table is of such a topic; there are {names}.", param_hint="--topic")
+    if output is None and (len(tables) > 1 or kind == "parquet"):
+        raise click.UsageError("Give one --topic, or -o DIR." if len(tables) > 1 else "Parquet needs -o DIR.")
+    with faults_reported():
+        if output is None:
+            done = export_table(log, kind, choice, sys.stdout.buffer)
+        else:
+            done = export_tables(log, kind, choice, output)
+            if not quiet:
+                for name, rows in sorted(done.rows.items()):
+                    click.echo(f"{output / f'{name}.{kind}'}: {rows} rows")
+        return exit_code_of(done.loss)

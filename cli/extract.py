@@ -1,0 +1,93 @@
+"""`closecall extract`: a part of a log as a log, or a file that travels with it."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import click
+
+from .faults import exit_code_of, faults_reported
+from .options import choice_of, choice_options
+
+
+@click.command("extract")
+@click.argument("log", type=click.Path(path_type=Path))
+@click.argument("name", required=False)
+@choice_options
+@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="FILE", help="The log or file to write.")
+@click.option("-q", "--quiet", is_flag=True, help="Do not tell what was taken.")
+def command(
+    log: Path,
+    name: str | None,
+    output: Path | None,
+    quiet: bool,
+    topics: tuple[str, ...],
+    pairs: tuple[str, ...],
+    start: float | None,
+    end: float | None,
+) -> int:
+    """Take a part of LOG as a log of its own; or the file NAME that travels with it; or list such files.
+
+    A part holds what is of its time, pairs and topics; spans and contacts that reach into the time are kept whole.
+
+    \b
+    Examples:
+      closecall extract out.mcap --from 1 --to 1.5 -o part.mcap
+      closecall extract out.mcap --pair 'arm|*' --topic '/spans' --topic '/collisions' -o part.mcap
+      closecall extract out.mcap
+      closecall extract out.mcap scene -o scene_again.yaml
+      closecall extract out.mcap settings.json
+    """
+    choice = choice_of(topics, pairs, start, end)
+    chosen = bool(topics or pairs or start is not None or end is not None)
+    if name is not None and chosen:
+        raise click.UsageError("A file that travels with the log has no time, pairs or topics.")
+    if chosen and output is None:
+        raise click.UsageError("Give -o FILE for the part.")
+    with faults_reported():
+        if name is not None:
+            return _take_file(log, name, output)
+        if output is None:
+            return _list_files(log)
+        from ..formats.log.part import write_part
+
+        part = write_part(log, output, choice)
+        if not quiet:
+            click.echo(f"{output}: {part.messages} of {part.of} messages")
+        return exit_code_of(part.loss)
+
+
+def _list_files(log: Path) -> int:
+    """Print the files that travel with a log: bytes, type, name."""
+    from ..formats.log.reader import LogReader
+
+    with LogReader(log) as reader:
+        for file in reader.attachments():
+            click.echo(f"{len(file.data):>12}  {file.media_type:<24}  {file.name}")
+    return 0
+
+
+def _take_file(log: Path, name: str, output: Path | None) -> int:
+    """Write a file that travels with a log, to standard output if nowhere else."""
+    from ..formats.log.errors import LogError
+    from ..formats.log.pipe import STDOUT
+    from ..formats.log.reader import LogReader
+
+    with LogReader(log) as reader:
+        file = next(reader.attachments(name), None)
+    if file is None:
+        raise LogError(log, f"no file {name!r} travels with it, or not whole", f"see closecall extract {log}")
+    if output is None or output == STDOUT:
+        sys.stdout.buffer.write(file.data)
+        return 0
+    from ..formats.log.output import Output
+
+    out = Output(output, [log])
+    try:
+        out.open().write(file.data)
+        out.publish()
+    except OSError as error:
+        out.discard()
+        raise out.fault(error) from error
+    return 0
