@@ -28,7 +28,10 @@ def command(
 ) -> int:
     """Check SCENE and tell what was understood: bodies, triangles, pairs, warnings.
 
-    Example: closecall check scene.yaml --suggest-ignores
+    \b
+    Examples:
+      closecall check scene.yaml
+      closecall check scene.yaml --suggest-ignores
     """
     from ..formats.scene.reader import read_scene
     from ..scheduler.broad_phase import near_at_start

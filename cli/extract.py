@@ -65,19 +65,20 @@ def _list_files(log: Path) -> int:
     with LogReader(log) as reader:
         for file in reader.attachments():
             click.echo(f"{len(file.data):>12}  {file.media_type:<24}  {file.name}")
-    return 0
+        return exit_code_of(reader.loss)
 
 
 def _take_file(log: Path, name: str, output: Path | None) -> int:
     """Write a file that travels with a log, to standard output if nowhere else."""
-    from ..formats.log.errors import LogError
+    from ..formats.log.errors import DamagedLogError, LogError
     from ..formats.log.pipe import STDOUT
     from ..formats.log.reader import LogReader
 
     with LogReader(log) as reader:
         file = next(reader.attachments(name), None)
     if file is None:
-        raise LogError(log, f"no file {name!r} travels with it, or not whole", f"see closecall extract {log}")
+        kind = LogError if reader.loss is None else DamagedLogError
+        raise kind(log, f"no file {name!r} travels with it, or not whole", f"see closecall extract {log}")
     if output is None or output == STDOUT:
         sys.stdout.buffer.write(file.data)
         return 0

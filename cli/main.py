@@ -19,6 +19,7 @@ COMMANDS = {
     "diff": "Compare a log with a golden one, by what they say.",
     "export": "Write a log's messages as tables: CSV, NDJSON, Parquet.",
     "extract": "Take a part of a log, or a file that travels with it.",
+    "completion": "Print what makes a shell complete closecall's commands.",
     "schema": "Print the JSON Schema of the scene file.",
 }
 
@@ -60,14 +61,17 @@ class LazyGroup(click.Group):
 def group() -> None:
     """Do any of these moving bodies come too close, and when? Answered with a certificate.
 
-    Example: closecall run sample_scenes/spinning_bar/scene.yaml -o bar.mcap
+    \b
+    Examples:
+      closecall run sample_scenes/spinning_bar/scene.yaml -o bar.mcap
+      closecall summary bar.mcap
     """
 
 
 def main() -> NoReturn:
     """Run the command line; every failure ends in one line and its exit code."""
     try:
-        code = group.main(standalone_mode=False)
+        code = group.main(standalone_mode=False, complete_var="_CLOSECALL_COMPLETE")
     except click.ClickException as error:
         error.show()
         sys.exit(2)

@@ -17,7 +17,13 @@ from .options import RunOptions, run_options
 def command(scenes: tuple[Path, ...], **given: Any) -> int:
     """Run SCENE and write its certified log; with --out-dir, run many.
 
-    Example: closecall run sample_scenes/near_gears/scene.yaml -o gears.mcap --fail-on contact
+    \b
+    Examples:
+      closecall run scene.yaml -o out.mcap
+      closecall run scene.yaml -o out.mcap --margin 0.002 --fail-on contact,breach
+      closecall run sample_scenes/spinning_bar/scene.yaml scene.yaml --out-dir logs --log certificate
+      closecall run scene.yaml -o - --log certificate > out.mcap
+      closecall run scene.yaml -o out.mcap --json
     """
     options = RunOptions(**given)
     if (options.output is None) is (options.out_dir is None):

@@ -9,7 +9,9 @@ import click
 def command() -> int:
     """Print the JSON Schema of the scene file, for editors and generators.
 
-    Example: closecall schema > closecall.schema.json
+    \b
+    Examples:
+      closecall schema > closecall.schema.json
     """
     from ..formats.scene.schema import schema_text
 

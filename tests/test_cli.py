@@ -140,13 +140,6 @@ def test_the_same_scene_gives_the_same_bytes_whatever_the_hash_seed(scene, tmp_p
     assert logs[0] == logs[1]
 
 
-@pytest.mark.parametrize("arguments", [["--help"], ["run", "--help"], ["summary", "--help"]])
-def test_every_help_has_an_example(tmp_path, arguments):
-    done = closecall(*arguments, cwd=tmp_path)
-    assert done.returncode == 0
-    assert "Example: closecall" in done.stdout
-
-
 def test_readme_prints_what_the_first_command_prints(tmp_path):
     root = Path(__file__).parents[1]
     readme = (root / "README.md").read_text(encoding="utf-8")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Iterator
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib import import_module
@@ -103,6 +103,10 @@ class LogReader:
     def __init__(self, path: Path) -> None:
         self.path = path
         self._open = ExitStack()
+        self._begin()
+
+    def _begin(self) -> None:
+        """Forget what an earlier pass over the log found."""
         self._wanted: frozenset[str] = frozenset()
         self._schemas: dict[int, str] = {}
         self._sources: dict[int, Source] = {}  # by channel, of the topics that are wanted
@@ -131,7 +135,7 @@ class LogReader:
 
     @property
     def loss(self) -> Loss | None:
-        """What could not be read, known once the messages were; None where nothing is lost."""
+        """What could not be read, known once the messages (or attachments) were; None where nothing is lost."""
         if not self._faults:
             return None
         first = self._faults[0]
@@ -144,9 +148,8 @@ class LogReader:
         Args:
             topics: those wanted, of topics by body without the body (`/distances`); all topics if none are named.
         """
+        self._begin()
         self._wanted = frozenset(topics)
-        self._schemas, self._sources, self._others = {}, {}, set()
-        self._faults, self._stopped, self._latest = [], False, 0
         for record, body in self._data():
             try:
                 if record.opcode == Opcode.CHUNK:
@@ -182,12 +185,17 @@ class LogReader:
         Args:
             names: those wanted; all if none are named.
         """
-        with suppress(DamageError):
+        self._begin()
+        try:
             for record in self._records.heads():
                 if record.opcode == Opcode.ATTACHMENT:
-                    with suppress(*DAMAGE):
+                    try:
                         if not names or self._attachment_name(record) in names:
                             yield read_attachment_record(self._records.body(record))
+                    except DAMAGE:
+                        self._faults.append(DamageError(record.offset, "a file that travels with it is damaged"))
+        except DamageError as error:
+            self._faults.append(error)
 
     def _attachment_name(self, record: Record) -> str:
         head = self._records.body(replace(record, length=min(record.length, _ATTACHMENT_HEAD_BYTES)))
