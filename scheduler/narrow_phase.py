@@ -92,16 +92,19 @@ class NarrowPhase:
         return None
 
     def triangles_within(
-        self, a: int, b: int, pose_a: FloatArray, pose_b: FloatArray, reach: float
+        self, a: int, b: int, pose_a: FloatArray, pose_b: FloatArray, reach: float, some: bool = False
     ) -> NearTriangles | None:
-        """Return all pairs of triangles of the bodies a and b that may be within `reach` (m), None for too many."""
+        """Return all pairs of triangles of the bodies a and b that may be within `reach` (m), None for too many.
+
+        Of too many `some` takes some, where that will do.
+        """
         self._place(a, b, pose_a, pose_b)
         found: list[tuple[FloatArray, FloatArray, FloatArray]] = []
         for gap, one, other in self._by_gap(a, b):
             if gap > reach:
                 break
             rounding = one.shape.radius + other.shape.radius
-            near = near_pairs(one.model.triangles, other.model.triangles, one.pose, other.pose, reach + rounding)
+            near = near_pairs(one.model.triangles, other.model.triangles, one.pose, other.pose, reach + rounding, some)
             if near is None:
                 return None
             found.append((*near, np.full(len(near[0]), rounding)))

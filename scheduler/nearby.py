@@ -15,7 +15,9 @@ MOST_TRIANGLE_PAIRS = 2_000
 #: The same for pairs of bounding boxes.
 MOST_BOX_PAIRS = 30_000
 #: More pairs of boxes than this are not compared each with each, but first by boxes around `GROUP` of them.
-MOST_COMPARED = 2_000_000
+MOST_COMPARED = 20_000
+#: More pairs of boxes than this are never looked at.
+MOST_BOXES_COMPARED = 2_000_000
 #: So many neighbouring triangles share a box.
 GROUP = 8
 #: Relative loss granted to the arithmetic of what is near.
@@ -71,7 +73,7 @@ NOTHING = NearTriangles(np.empty((0, 3, 3)), np.empty((0, 3, 3)), np.empty(0))
 
 
 def near_pairs(
-    one: Triangles, other: Triangles, pose_one: FloatArray, pose_other: FloatArray, reach: float
+    one: Triangles, other: Triangles, pose_one: FloatArray, pose_other: FloatArray, reach: float, some: bool = False
 ) -> tuple[FloatArray, FloatArray] | None:
     """Return the corners (k, 3, 3), (k, 3, 3) of the triangle pairs that may be within `reach`, in the poses' frame.
 
@@ -82,6 +84,7 @@ def near_pairs(
         one, other: the triangles, each in its own frame.
         pose_one, pose_other: 4x4, common frame from own.
         reach: m, >= 0; what placing the corners may be wrong by is for the caller to add.
+        some: whether some of them will do where there are too many; those from all over the bodies are taken.
     """
     relative = pose_one[:3, :3].T @ pose_other[:3, :3]
     shift = pose_one[:3, :3].T @ (pose_other[:3, 3] - pose_one[:3, 3])
@@ -89,9 +92,10 @@ def near_pairs(
     centres = 0.5 * (other.low + other.high) @ relative.T + shift
     halves = 0.5 * (other.high - other.low) @ np.abs(relative).T
     groups = _groups_near(one.low, one.high, centres - halves, centres + halves, limit)
-    if groups is None or len(groups[0]) * GROUP**2 > MOST_BOX_PAIRS:
+    taken = None if groups is None else _taken(len(groups[0]), MOST_BOX_PAIRS // GROUP**2, some)
+    if groups is None or taken is None:
         return None
-    i, j = groups
+    i, j = groups[0][taken], groups[1][taken]
     placed, place = np.unique(j, return_inverse=True)
     moved = other.corners[other.members(placed)] @ relative.T + shift  # (groups, GROUP, corner, 3)
     low, high = moved.min(axis=2), moved.max(axis=2)  # (groups, GROUP, 3)
@@ -104,11 +108,21 @@ def near_pairs(
     second &= _first_of_each(j, len(other.corners))
     k, m, n = np.nonzero(first[:, :, None] & second[:, None])
     near = _within(mine[0][k, m], mine[1][k, m], low[place[k], n], high[place[k], n], limit)
-    if np.count_nonzero(near) > MOST_TRIANGLE_PAIRS:
+    rows = np.flatnonzero(near)
+    taken = _taken(len(rows), MOST_TRIANGLE_PAIRS, some)
+    if taken is None:
         return None
-    first_rows, second_rows = ours[k[near], m[near]], theirs[k[near], n[near]]
+    rows = rows[taken]
+    first_rows, second_rows = ours[k[rows], m[rows]], theirs[k[rows], n[rows]]
     found = one.corners[first_rows] @ pose_one[:3, :3].T + pose_one[:3, 3]
     return found, other.corners[second_rows] @ pose_other[:3, :3].T + pose_other[:3, 3]
+
+
+def _taken(count: int, most: int, some: bool) -> NDArray[np.intp] | None:
+    """Return which of so many are taken: all, or of too many, `most` from all over if `some` will do, else None."""
+    if count <= most:
+        return np.arange(count)
+    return np.linspace(0, count - 1, most).astype(np.intp) if some else None
 
 
 def _neighbours_together(centres: FloatArray) -> NDArray[np.intp]:
@@ -171,7 +185,7 @@ def _groups_near(
         np.maximum.reduceat(boxes[3], their_starts),
         reach,
     )
-    if wider is None or len(wider[0]) * GROUP**2 > MOST_COMPARED:
+    if wider is None or len(wider[0]) * GROUP**2 > MOST_BOXES_COMPARED:
         return None
     within = np.arange(GROUP)
     i = (wider[0][:, None, None] * GROUP + within[:, None]).repeat(GROUP, axis=2).reshape(-1)

@@ -226,23 +226,23 @@ class Pair:
         return BallSlab(subtract(moments.b.centre, moments.a.centre), taken, closing, beyond, near, slack)
 
     def overlaps(self, measurement: Measurement, duration: float) -> Overlaps | None:
-        """Return the overlaps of touching bodies' triangles, None where there are too many.
+        """Return the overlaps of touching bodies' triangles, of some where there are many; None of far too many.
 
         Args:
             measurement: of bodies of known path, whose surfaces touch.
             duration: s, how far ahead they may be asked of.
         """
         moments = measurement.moments
-        found = self._triangles_within(moments, 2.0 * self.error)
+        found = self._triangles_within(moments, 2.0 * self.error, some=True)
         if found is None:
             return None
         near = self.motion.approach(moments, duration, Part.CORE)
         twists, slack = self._twists(moments)
         return Overlaps(proper(found), twists, self.error, near, slack)
 
-    def _triangles_within(self, moments: Moments, reach: float) -> NearTriangles | None:
+    def _triangles_within(self, moments: Moments, reach: float, some: bool = False) -> NearTriangles | None:
         """Return the pairs of triangles that may be within `reach` (m), as seen from the first body's place."""
-        return self._narrow_phase.triangles_within(self._a, self._b, moments.a.pose, moments.b.pose, reach)
+        return self._narrow_phase.triangles_within(self._a, self._b, moments.a.pose, moments.b.pose, reach, some)
 
     def _twists(self, moments: Moments) -> tuple[tuple[Twist, Twist], float]:
         """Return how both bodies move, as seen from the first one's place, and by how much (m/s) that may be wrong."""

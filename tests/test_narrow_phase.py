@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 from closecall.scheduler.events import FeatureKind
 from closecall.scheduler.motions import Fixed
 from closecall.scheduler.narrow_phase import NarrowPhase
+from closecall.scheduler.nearby import MOST_TRIANGLE_PAIRS, Triangles, near_pairs
 from closecall.scheduler.scene import Body, Mesh, Shape
 from closecall.scheduler.solid import Interior, component_points, winding_number
 from closecall.scheduler.triangle import Triangle, feature_at, meeting_point
@@ -266,6 +267,36 @@ def test_every_connected_part_of_a_soup_gives_one_point():
     corners = mesh.vertices[mesh.triangles].reshape(-1, 3)
     both = np.vstack((corners, np.add(corners, 5.0)))
     assert len(component_points(Mesh("soup", both, np.arange(72).reshape(-1, 3), True))) == 2
+
+
+def tree_of(points) -> Triangles:
+    """Return triangles that are points (n, 3)."""
+    return Triangles.of(np.repeat(points[:, None], 3, axis=1))
+
+
+def test_near_triangles_of_large_meshes_are_all_found():
+    """Points along two lines that pass each other at 5 cm: more groups of them than are compared each with each."""
+    along = np.linspace(-1.0, 1.0, 2000)[:, None]
+    one, other = along * (1.0, 1.0, 0.0), along * (1.0, -1.0, 0.0)
+    pose, reach = placed(None, z=0.05), 0.052
+    found = near_pairs(tree_of(one), tree_of(other), EYE, pose, reach)
+    assert found is not None
+    near = np.argwhere(np.linalg.norm(one[:, None] - (other + pose[:3, 3]), axis=2) <= reach).tolist()
+    expected = {(*one[i].tolist(), *(other[j] + pose[:3, 3]).tolist()) for i, j in near}
+    assert len(expected) > 200
+    assert expected <= set(map(tuple, np.hstack([corners[:, 0] for corners in found]).tolist()))
+
+
+def test_of_too_many_near_triangles_some_are_found_where_they_will_do():
+    points = np.random.default_rng(4).uniform(-1.0, 1.0, (1000, 3))
+    tree = tree_of(points)
+    assert near_pairs(tree, tree, EYE, EYE, 0.5) is None
+    found = near_pairs(tree, tree, EYE, EYE, 0.5, some=True)
+    assert found is not None
+    assert 0 < len(found[0]) <= MOST_TRIANGLE_PAIRS
+    known = {tuple(point) for point in points.tolist()}
+    assert all(tuple(corner) in known for corners in found for corner in corners[:, 0].tolist())
+    assert np.linalg.norm(found[0][:, 0] - found[1][:, 0], axis=1).max() <= 0.5 * np.sqrt(3.0)
 
 
 def test_containment_is_seen_both_ways_and_for_every_part():
