@@ -13,7 +13,7 @@ from rich.text import Text
 
 from ..formats.log.errors import LogError
 from ..formats.scene.errors import SceneError
-from .faults import faults_reported, report
+from .faults import WorkerError, faults_reported, report
 from .job import Result, run_job
 from .options import RunOptions
 from .show import SEVERITY, STYLES, console_for, print_json, print_warnings
@@ -61,7 +61,7 @@ def _run_one(scene: Path, log: Path, options: RunOptions) -> Outcome:
     """Run one scene, telling its faults on stderr."""
     try:
         result = run_job(scene, log, options)
-    except (SceneError, LogError) as fault:
+    except (SceneError, LogError, WorkerError) as fault:
         report(fault, log)
         return Outcome(scene, log, None, 2)
     if not options.quiet:

@@ -24,6 +24,13 @@ class Terminated(BaseException):
     """SIGTERM came."""
 
 
+class WorkerError(Exception):
+    """Workers that cannot be had, or were lost: one line that says what is wrong and what to do."""
+
+    def __init__(self, problem: str, remedy: str) -> None:
+        super().__init__(f"{problem}; {remedy}")
+
+
 @contextmanager
 def faults_reported(output: Path | None = None) -> Iterator[None]:
     """Report what the user can mend, a line each, and exit 2; 3 for a log beyond reading; 130 or 143 if interrupted.
@@ -40,7 +47,7 @@ def faults_reported(output: Path | None = None) -> Iterator[None]:
         yield
     except ClosedPipeError:
         sys.exit(128 + signal.SIGPIPE)
-    except (SceneError, LogError) as fault:
+    except (SceneError, LogError, WorkerError) as fault:
         report(fault, output)
         sys.exit(WITH_LOSS if isinstance(fault, DamagedLogError) else 2)
     except MemoryError:

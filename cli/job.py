@@ -27,8 +27,10 @@ from ..scheduler.pairing import Pairing
 from ..scheduler.run import run
 from ..scheduler.scene import Scene, Settings, least_duration
 from ..scheduler.snapshot import Observer, Observes, observed
+from ..scheduler.streams import Work, merged
 from .options import LEAST_SNAPSHOTS, USUAL_RATE, RunOptions
-from .progress import shown
+from .progress import shares_shown, shown
+from .workers import streams_of
 
 #: Up to so many pairs each is watched throughout, and its least distance told. Of more, swept boxes say which are.
 FEW_PAIRS = 1000
@@ -38,7 +40,7 @@ FEW_PAIRS = 1000
 class Result:
     """What a run found, what it warned of, and the wall-clock seconds of its parts.
 
-    `schedule` is the loop with its measurements, of which `fcl` is a part; `log` is writing.
+    `schedule` is the loop with its measurements, of which `fcl` is a part, summed over all processes; `log` is writing.
     """
 
     summary: Summary
@@ -54,7 +56,7 @@ def run_job(scene_path: Path, output: Path, options: RunOptions) -> Result:
     """Run a scene file into a log, settings given on the command line over the file's own.
 
     Raises:
-        SceneError, LogError: for what the user can mend.
+        SceneError, LogError, WorkerError: for what the user can mend.
     """
     began = perf_counter()
     loaded = read_scene(scene_path, options.mesh_roots, options.max_bytes)
@@ -64,30 +66,33 @@ def run_job(scene_path: Path, output: Path, options: RunOptions) -> Result:
     loaded, total = counted_pairs(loaded, options.strict)
     crowded = total > FEW_PAIRS if options.broad_phase == "auto" else options.broad_phase == "on"
     pairs = () if crowded else all_of(loaded, pairing, total, options.max_pairs)
-    events = run(pairs, settings, Crowd(pairing, settings) if crowded else None)
-    if options.log == "full":
-        observer: Observes
-        if crowded:
-            observer = CrowdObserver(pairing, options.viz_pairs)
-        else:
-            observer = Observer(loaded.scene, pairs, options.viz_pairs, narrow_phase)
-        events = observed(events, observer, loaded.scene, _rate(loaded.scene, options), settings.time_resolution)
-    if not options.quiet:
-        events = shown(events, loaded.scene.start, loaded.scene.end, scene_path.name)
     ready = perf_counter()
-    writing = 0.0
-    with LogWriter(output, loaded, settings, total, _log_options(options)) as log, closing(events):
-        for event in events:
-            told = perf_counter()
-            log.write(event)
-            writing += perf_counter() - told
+    writing = fcl = 0.0
+    with LogWriter(output, loaded, settings, total, _log_options(options)) as log:
+        if options.jobs == 1 and options.cluster is None:
+            events = run(pairs, settings, Crowd(pairing, settings) if crowded else None)
+        else:
+            work = Work(loaded.scene, settings, crowded)
+            with shares_shown(scene_path.name, options.quiet) as show:
+                streams, fcl = streams_of(work, total, options.jobs, options.cluster, show)
+            events = merged(streams)
+        if options.log == "full":
+            observer = _observer(pairs, pairing, crowded, options)
+            events = observed(events, observer, loaded.scene, _rate(loaded.scene, options), settings.time_resolution)
+        if not options.quiet:
+            events = shown(events, loaded.scene.start, loaded.scene.end, scene_path.name)
+        with closing(events):
+            for event in events:
+                told = perf_counter()
+                log.write(event)
+                writing += perf_counter() - told
         scheduled = perf_counter()
         summary = log.summary()
     done = perf_counter()
     seconds = {
         "load": ready - began,
         "schedule": scheduled - ready - writing,
-        "fcl": narrow_phase.seconds,
+        "fcl": narrow_phase.seconds + fcl,
         "log": writing + done - scheduled,
         "total": done - began,
     }
@@ -120,6 +125,13 @@ def all_of(loaded: LoadedScene, pairing: Pairing, total: int, max_pairs: int) ->
             [whole_file(loaded.path, f"more than {counted(max_pairs, 'pair')}, ignore some or raise --max-pairs")]
         )
     return tuple(pairing.all())
+
+
+def _observer(pairs: Sequence[Pair], pairing: Pairing, crowded: bool, options: RunOptions) -> Observes:
+    """Return what takes the snapshots for viewers."""
+    if crowded:
+        return CrowdObserver(pairing, options.viz_pairs)
+    return Observer(pairing.scene, pairs, options.viz_pairs, pairing.narrow_phase)
 
 
 def _log_options(options: RunOptions) -> LogOptions:

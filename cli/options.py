@@ -20,6 +20,8 @@ FINDINGS = ("contact", "breach", "unresolved", "possible")
 USUAL_RATE = 30.0
 LEAST_SNAPSHOTS = 120
 
+MOST_JOBS = 1024
+
 AnyFunction = TypeVar("AnyFunction", bound=Callable[..., Any])
 
 
@@ -42,6 +44,8 @@ class RunOptions:
     max_pairs: int
     strict: bool
     broad_phase: str
+    jobs: int
+    cluster: str | None
     log: str
     topics: str
     rate: float | None
@@ -78,6 +82,17 @@ def _share(ctx: click.Context, param: click.Parameter, value: str | None) -> flo
     if not 1e-6 <= share < 1.0:
         raise click.BadParameter(f"expected none, or a share of 1e-6 up to 1, got {value!r}.", ctx, param)
     return share
+
+
+def _jobs(ctx: click.Context, param: click.Parameter, value: str) -> int:
+    """Read a number of processes; auto means as many as there are processors that this one may use."""
+    if value == "auto":
+        from loky import cpu_count
+
+        return int(cpu_count())
+    if not value.isdecimal() or not 1 <= int(value) <= MOST_JOBS:
+        raise click.BadParameter(f"expected auto, or 1 to {MOST_JOBS}, got {value!r}.", ctx, param)
+    return int(value)
 
 
 def _rate(ctx: click.Context, param: click.Parameter, value: float | None) -> float | None:
@@ -138,6 +153,16 @@ _OPTIONS = (
         show_default=True,
         help="Swept boxes clear distant pairs; auto: of more than 1000 pairs. Else each pair is watched throughout.",
     ),
+    click.option(
+        "-j",
+        "--jobs",
+        default="1",
+        show_default=True,
+        callback=_jobs,
+        metavar="N",
+        help="Processes that share the pairs, or auto: one a processor. The log is the same.",
+    ),
+    click.option("--cluster", metavar="ADDRESS", help="A Dask scheduler whose workers share the pairs instead."),
     click.option(
         "--log",
         type=click.Choice(["full", "certificate"]),

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterable
+from collections.abc import Callable, Generator, Iterable, Iterator
+from contextlib import contextmanager
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from ..scheduler.events import Collision, Event, Phase, Wakeup
 
@@ -39,3 +40,22 @@ def shown(events: Iterable[Event], start: float, end: float, title: str) -> Gene
                 latest = max(latest, event.time)
                 if wakeups % WAKEUPS_PER_UPDATE == 0:
                     bar.update(task, completed=latest - start, now=latest, wakeups=wakeups, contacts=contacts)
+
+
+@contextmanager
+def shares_shown(title: str, quiet: bool) -> Iterator[Callable[[int, int], None]]:
+    """Lend a function that is told how many shares of how many are done; a bar shows it, likewise on a terminal."""
+    console = Console(stderr=True)
+    if quiet or not console.is_terminal:
+        yield lambda done, of: None
+        return
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(bar_width=None),
+        MofNCompleteColumn(),
+        TextColumn("shares of the pairs"),
+        TimeRemainingColumn(compact=True),
+    )
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task(title, total=None)
+        yield lambda done, of: bar.update(task, completed=done, total=of)

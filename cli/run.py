@@ -28,6 +28,8 @@ def command(scenes: tuple[Path, ...], **given: Any) -> int:
     options = RunOptions(**given)
     if (options.output is None) is (options.out_dir is None):
         raise click.UsageError("Give either -o LOG, or --out-dir DIR.")
+    if options.jobs > 1 and options.cluster is not None:
+        raise click.UsageError("Give either --jobs, or --cluster.")
     if options.out_dir is not None:
         from .batch import run_many
 

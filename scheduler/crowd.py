@@ -8,6 +8,7 @@ from .broad_phase import BroadPhase
 from .events import Bound, Event, Reason
 from .pairing import Pairing
 from .scene import Settings, pair_id
+from .share import WHOLE, Share
 from .watch import Plan, Watch
 
 
@@ -18,10 +19,11 @@ class Crowd:
     that time, or is in the queue with a valid wakeup, or has been decided up to its end.
     """
 
-    def __init__(self, pairing: Pairing, settings: Settings) -> None:
-        """Take what makes the scene's pairs; none is made yet."""
+    def __init__(self, pairing: Pairing, settings: Settings, share: Share = WHOLE) -> None:
+        """Take what makes the scene's pairs; none is made yet. Of a share, only its pairs ever enter the queue."""
         self._pairing = pairing
         self._settings = settings
+        self._share = share
         self._windows = BroadPhase(pairing)
         self._bodies = len(pairing.scene.bodies)
         self._inside: set[int] = set()
@@ -36,11 +38,14 @@ class Crowd:
     def meet(self) -> Generator[Event, None, list[tuple[float, Reason, Watch]]]:
         """Begin the windows of the next tick; tell them, and return the pairs that enter with their wakeups.
 
+        Every share has all windows, the first one tells them.
+
         A pair that was cleared until now wakes now: the windows that end clear it up to this very time.
         """
         time = self.next_tick
         windows, meeting = self._windows.renew()
-        yield from windows
+        if self._share.number == 0:
+            yield from windows
         entering = []
         for a, b in meeting:
             watch = self._watch(a, b)
@@ -75,7 +80,7 @@ class Crowd:
     def _watch(self, a: int, b: int) -> Watch | None:
         """Return the watch of a pair that is to enter, made where it never has; None where it is in, or never does."""
         number = pair_id(a, b, self._bodies)
-        if number in self._inside or number in self._never:
+        if not self._share.has(number) or number in self._inside or number in self._never:
             return None
         watch = self._outside.pop(number, None)
         if watch is None:

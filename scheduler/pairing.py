@@ -16,6 +16,7 @@ from .pair import Pair
 from .relative import RelativeMotion
 from .rotation import translation_of
 from .scene import Scene, all_pairs, pair_id
+from .share import WHOLE, Share
 from .vector import ZERO, norm
 
 
@@ -55,10 +56,10 @@ class Pairing:
         self.narrow_phase = narrow_phase
         self.margin = margin
 
-    def all(self) -> Iterator[Pair]:
-        """Yield every pair that might collide, by id."""
-        for a, b in all_pairs(len(self.scene.bodies)):
-            if (pair := self.pair(a, b)) is not None:
+    def all(self, share: Share = WHOLE) -> Iterator[Pair]:
+        """Yield every pair that might collide, or those of a share, by id."""
+        for number, (a, b) in enumerate(all_pairs(len(self.scene.bodies))):
+            if share.has(number) and (pair := self.pair(a, b)) is not None:
                 yield pair
 
     def pair(self, a: int, b: int) -> Pair | None:

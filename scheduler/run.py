@@ -12,7 +12,9 @@ from .scene import Settings
 from .watch import Watch
 
 
-def run(pairs: Iterable[Pair], settings: Settings, crowd: Crowd | None = None) -> Generator[Event, None, None]:
+def run(
+    pairs: Iterable[Pair], settings: Settings, crowd: Crowd | None = None, queue: WakeupQueue | None = None
+) -> Generator[Event, None, None]:
     """Yield everything that happens between the pairs that might collide, from the scene's start to its end.
 
     Invariant: every such pair sleeps in the heap, and until its wakeup either it provably cannot touch, or the step is
@@ -30,17 +32,18 @@ def run(pairs: Iterable[Pair], settings: Settings, crowd: Crowd | None = None) -
         pairs: that are watched throughout.
         settings: of the run.
         crowd: makes further pairs as they are needed.
+        queue: an empty one, of a caller who wants to know whose turn it is.
     """
-    queue = WakeupQueue()
+    queue = WakeupQueue() if queue is None else queue
     # Initially all pairs that might collide are measured at t0: all wake at once, but those of bodies yet to come.
     for pair in pairs:
         queue.push(pair.start, Reason.START, Watch(pair, settings))
     if crowd is not None:
         queue.push_tick(crowd.next_tick)
 
-    while queue:
-        # The first pair is pulled off the queue,
-        time, reason, watch = queue.pop()
+    # The first pair is pulled off the queue,
+    while (first := queue.pop()) is not None:
+        time, reason, watch = first
         # unless windows end before: then new ones begin, and the pairs whose boxes meet enter the queue.
         if watch is None:
             assert crowd is not None

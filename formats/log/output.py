@@ -60,9 +60,12 @@ class Output:
                 self._stream.close()
 
     def discard(self) -> None:
-        """Close `partial` and remove it."""
+        """Close `partial` and remove it, unless another run took its place."""
+        if self._stream is not None:
+            with suppress(LogError, OSError):
+                self._require_own_partial(self._stream)
+                self.partial.unlink()
         self.abandon()
-        self.partial.unlink(missing_ok=True)
 
     def _require_own_partial(self, stream: IO[bytes]) -> None:
         if not self.partial.exists() or not os.path.samestat(os.fstat(stream.fileno()), self.partial.stat()):

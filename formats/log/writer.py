@@ -75,7 +75,7 @@ class LogWriter:
     """Writes a run's log, as a context manager: events inside, the finished file only after a clean end.
 
     Until then the log is `partial`, beside the output. An exception inside leaves it there, unfinished but
-    readable up to its last chunk, and the output untouched.
+    readable up to its last chunk, unless no event was written yet; and the output untouched.
 
     Args:
         path: the output; an existing file is replaced at the end.
@@ -115,6 +115,7 @@ class LogWriter:
         self._windows = Topic("/windows", window, window.timestamp)
         self._log = Topic("/log", log, log.timestamp)
         self._viewer = None if options.viewer is None else Viewer(loaded.scene, options.viewer)
+        self._empty = True
 
     @property
     def partial(self) -> Path:
@@ -149,6 +150,7 @@ class LogWriter:
 
     def write(self, event: Event) -> None:
         """Add a fact under its own time, which may lie before facts already written."""
+        self._empty = False
         self._summary.add(event)
         match event:
             case Wakeup():
@@ -305,6 +307,9 @@ class LogWriter:
         return {f"count{name}": str(count) for name, count in counts.items()}
 
     def _abandon(self) -> None:
+        if self._empty:
+            self._output.discard()
+            return
         # The fault under way matters more than a disk that refuses the last chunk too.
         with suppress(OSError):
             self._chunks.salvage()

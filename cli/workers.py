@@ -1,0 +1,219 @@
+"""Workers that run shares of a scene's pairs: processes of this machine, or the workers of a Dask cluster."""
+
+from __future__ import annotations
+
+import logging
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+from importlib.metadata import version
+from multiprocessing import resource_tracker
+from tempfile import SpooledTemporaryFile, gettempdir
+from time import sleep
+from typing import IO, Any
+
+import click
+
+from closecall import __version__
+
+from ..scheduler.share import Share
+from ..scheduler.streams import Stream, Work, packed, stream
+from .faults import WorkerError
+
+#: Shares for each worker, so that one that got slow pairs is not waited for. Those of a crowd make all its windows
+#: themselves, so that they are as many as the workers.
+SHARES_A_WORKER = 8
+#: Shares beyond which there are only as many as workers.
+MANY_SHARES = 128
+#: Bytes of a share's stream that are kept in memory; of longer ones all is in a file.
+KEPT_BYTES = 1 << 20
+#: s until a cluster that says nothing counts as lost.
+PATIENCE = 10.0
+#: Each process of this machine takes one processor.
+ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+
+
+@dataclass(frozen=True, slots=True)
+class Team:
+    """Workers at hand.
+
+    Attributes:
+        executor: hands calls to them.
+        size: how many calls they work at in a time.
+        sent: makes of bytes the argument that brings them to a call.
+        check: raises a WorkerError if there are none any more.
+    """
+
+    executor: Executor
+    size: int
+    sent: Callable[[bytes], Any] = lambda data: data
+    check: Callable[[], None] = lambda: None
+
+
+def streams_of(
+    work: Work, pairs: int, jobs: int, cluster: str | None, done: Callable[[int, int], None]
+) -> tuple[list[IO[bytes]], float]:
+    """Have all shares run; return their streams, and the seconds they took inside FCL.
+
+    Args:
+        work: to be shared.
+        pairs: how many there are.
+        jobs: how many processes of this machine run them, unless there is a cluster.
+        cluster: address of its scheduler.
+        done: is told how many shares of how many are done.
+
+    Raises:
+        WorkerError: when workers cannot be had, or are lost; and what a share raises, as it would here.
+    """
+    kept: list[IO[bytes]] = []
+    seconds = 0.0
+    with _cluster(cluster) if cluster is not None else _processes(jobs) as team:
+        shares = team.size if work.crowded else max(team.size, min(SHARES_A_WORKER * team.size, MANY_SHARES))
+        shares = max(1, min(shares, pairs))
+        done(0, shares)
+        for told in _told(team, packed(work), shares):
+            kept.append(_kept(told.turns))
+            seconds += told.fcl
+            done(len(kept), shares)
+    return kept, seconds
+
+
+def _told(team: Team, packed_work: bytes, shares: int) -> Iterator[Stream]:
+    """Yield what the shares tell, in whatever order they are done."""
+    sent = team.sent(packed_work)
+    with _interrupts_held():
+        running = {team.executor.submit(stream, sent, Share(number, shares)) for number in range(shares)}
+    while running:
+        finished, running = wait(running, PATIENCE, FIRST_COMPLETED)
+        while finished:
+            yield finished.pop().result()
+        team.check()
+
+
+def _kept(turns: bytes) -> IO[bytes]:
+    """Return a share's stream as a file, from its begin."""
+    try:
+        file = SpooledTemporaryFile(KEPT_BYTES)  # noqa: SIM115  (the merger reads it)
+        file.write(turns)
+        file.seek(0)
+    except OSError as error:
+        problem = f"cannot keep what the workers tell in {gettempdir()}: {error.strerror}"
+        raise WorkerError(problem, "free space there, or name another folder in TMPDIR") from error
+    return file
+
+
+@contextmanager
+def _processes(jobs: int) -> Iterator[Team]:
+    """Start processes on this machine; they end with the block, at once where it fails."""
+    from loky import ProcessPoolExecutor
+
+    executor = ProcessPoolExecutor(jobs, env=ONE_THREAD, initializer=_end_with, initargs=(os.getpid(),))
+    try:
+        yield Team(executor, jobs)
+    except BrokenProcessPool as error:
+        executor.shutdown(kill_workers=True)
+        problem = "a worker process died: it was killed, or ran out of memory"
+        raise WorkerError(problem, "nothing was written; run again, with fewer --jobs if memory is short") from error
+    except BaseException:
+        executor.shutdown(kill_workers=True)
+        raise
+    executor.shutdown()
+
+
+def _end_with(parent: int) -> None:
+    """Have this process end, whatever it is at, when its parent has."""
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            sleep(1.0)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
+@contextmanager
+def _cluster(address: str) -> Iterator[Team]:
+    """Reach the workers of a Dask cluster; what they are still at is cancelled where the block fails."""
+    try:
+        from distributed import Client, KilledWorker
+        from distributed.comm.addressing import resolve_address
+    except ImportError as error:
+        raise click.UsageError("--cluster needs Dask: pip install 'closecall[cluster]'.") from error
+    try:
+        resolve_address(address)
+        client: Any = Client(address, timeout=PATIENCE, set_as_default=False)
+    except (OSError, ValueError) as error:
+        problem = f"--cluster {address}: no Dask scheduler answers there"
+        raise WorkerError(problem, "start one with `dask scheduler`, and name the address that it prints") from error
+    lost = f"--cluster {address}: its workers, or its scheduler, were lost"
+    logging.disable()  # what matters is raised
+    try:
+        with client:
+            executor = client.get_executor(pure=False)
+            try:
+                _require_workers(client, f"--cluster {address}: it has no workers")
+                _require_versions(client, address)
+                size = sum(client.nthreads().values())
+                sent = partial(client.scatter, broadcast=True)
+                yield Team(executor, size, sent, partial(_require_workers, client, lost))
+            finally:
+                executor.shutdown(wait=False)
+    except (KilledWorker, CancelledError, OSError) as error:
+        raise WorkerError(lost, "nothing was written; see their logs, and run again") from error
+    finally:
+        logging.disable(logging.NOTSET)
+
+
+def _require_workers(client: Any, problem: str) -> None:
+    """Wait a little for a worker where there is none.
+
+    Raises:
+        WorkerError: if none comes.
+    """
+    if client.nthreads():
+        return
+    try:
+        client.wait_for_workers(1, timeout=PATIENCE)
+    except TimeoutError as error:
+        raise WorkerError(problem, "start some with `dask worker ADDRESS`") from error
+
+
+def _require_versions(client: Any, address: str) -> None:
+    """Ask the workers for what they run: other versions would tell other bytes, or nothing that can be read.
+
+    Raises:
+        WorkerError: if any has other versions.
+    """
+    here = versions()
+    try:
+        others = client.run(versions)
+    except ImportError as error:
+        raise WorkerError(f"--cluster {address}: its workers lack closecall", f"install {here} there") from error
+    for worker, there in others.items():
+        if there != here:
+            raise WorkerError(f"--cluster {address}: worker {worker} has {there}", f"install {here} there")
+
+
+def versions() -> str:
+    """Return the versions that a log's bytes depend on, of the process that is asked."""
+    python = ".".join(map(str, sys.version_info[:2]))
+    libraries = (f"{name} {version(name)}" for name in ("numpy", "python-fcl"))
+    return ", ".join([f"closecall {__version__}", f"Python {python}", *libraries])
+
+
+@contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Keep Ctrl-C for after the block. Processes that are started within never get it: they leave it to this one."""
+    resource_tracker.ensure_running()  # which would let it through when it is started within
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -1,0 +1,23 @@
+"""A share of a scene's pairs: what is known of a pair rests on its own measurements, so that each share runs alone."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+#: 2^32 over the golden ratio: scatters numbers evenly that come in rows or at regular distances, as neighbours' do.
+_SCATTER = 2654435769
+
+
+class Share(NamedTuple):
+    """One of `of` shares, `number` from 0 on, into which the pairs are dealt by their ids."""
+
+    number: int
+    of: int
+
+    def has(self, pair: int) -> bool:
+        """Tell whether the pair of this id belongs to the share."""
+        return self.of == 1 or ((pair * _SCATTER & 0xFFFFFFFF) * self.of >> 32) == self.number
+
+
+WHOLE = Share(0, 1)
+"""All pairs."""

@@ -1,0 +1,175 @@
+"""Runs whose pairs are shared by processes: the same bytes, and one line and nothing else where a process is lost."""
+
+import operator
+import os
+import signal
+import subprocess
+import time
+from io import BytesIO
+from pathlib import Path
+
+import psutil
+import pytest
+from cli_process import closecall, command, long_scene
+from sample_runs import FOLDER, NAMES
+
+from closecall.cli.workers import streams_of
+from closecall.formats.scene.reader import read_scene
+from closecall.scheduler.crowd import Crowd
+from closecall.scheduler.narrow_phase import NarrowPhase
+from closecall.scheduler.pairing import Pairing
+from closecall.scheduler.run import run
+from closecall.scheduler.scene import Settings
+from closecall.scheduler.share import Share
+from closecall.scheduler.streams import Work, merged, packed, stream
+
+
+class Unpacked:
+    """Stands for a scene: where it is unpacked, a function is called."""
+
+    def __init__(self, function, *arguments):
+        self._call = (function, arguments)
+
+    def __reduce__(self):
+        return self._call
+
+
+def told_by_one(sample: str, crowded: bool) -> list[str]:
+    """Return the events of one run of all pairs."""
+    loaded = read_scene(FOLDER / sample / "scene.yaml")
+    pairing = Pairing(loaded.scene, NarrowPhase(loaded.scene.bodies), loaded.settings.margin)
+    crowd = Crowd(pairing, loaded.settings) if crowded else None
+    return [repr(event) for event in run(() if crowded else pairing.all(), loaded.settings, crowd)]
+
+
+def told_by_shares(sample: str, crowded: bool, shares: int) -> list[str]:
+    """Return the events of the shares, merged."""
+    loaded = read_scene(FOLDER / sample / "scene.yaml")
+    work = packed(Work(loaded.scene, loaded.settings, crowded))
+    streams = [BytesIO(stream(work, Share(number, shares)).turns) for number in reversed(range(shares))]
+    return [repr(event) for event in merged(streams)]
+
+
+def workers_of(process: subprocess.Popen[str]) -> list[psutil.Process]:
+    """Return the processes that a run has started for its shares, once there are two."""
+    for _ in range(3000):
+        children = psutil.Process(process.pid).children()
+        workers = [child for child in children if "loky.backend.popen" in " ".join(child.cmdline())]
+        if len(workers) == 2:
+            return workers
+        time.sleep(0.01)
+    raise AssertionError("no workers within half a minute")
+
+
+def started_with_workers(folder: Path) -> subprocess.Popen[str]:
+    """Start a run that takes minutes, on two processes, as the leader of its own group."""
+    (folder / "scene.yaml").write_text(long_scene())
+    return subprocess.Popen(
+        command("run", "scene.yaml", "-o", "out.mcap", "--jobs", "2"),
+        cwd=folder,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+
+
+def assert_gone(processes: list[psutil.Process]) -> None:
+    _, alive = psutil.wait_procs(processes, timeout=20)
+    assert not alive
+
+
+def test_every_pair_belongs_to_one_share_and_shares_are_even_for_neighbours_and_rows():
+    for of in (2, 3, 16):
+        shares = [Share(number, of) for number in range(of)]
+        for pairs in (range(4096), range(0, 4096 * 16, 16), [k * (2 * 4096 - k - 1) // 2 for k in range(4096)]):
+            counts = [sum(share.has(pair) for pair in pairs) for share in shares]
+            assert sum(counts) == 4096
+            assert max(counts) < 1.25 * 4096 / of
+
+
+@pytest.mark.parametrize(
+    ("sample", "crowded", "shares"),
+    [
+        ("person_at_cell", False, 3),
+        ("person_at_cell", True, 2),
+        ("conveyor_gate", True, 3),
+        ("asteroids", True, 2),
+    ],
+)
+def test_shares_merged_tell_what_one_run_tells_in_its_order(sample, crowded, shares):
+    assert told_by_shares(sample, crowded, shares) == told_by_one(sample, crowded)
+
+
+@pytest.mark.deep
+@pytest.mark.parametrize("sample", NAMES)
+@pytest.mark.parametrize("crowded", [False, True])
+@pytest.mark.parametrize("shares", [1, 2, 7, 64])
+def test_shares_of_every_sample_merged_tell_what_one_run_tells(sample, crowded, shares):
+    assert told_by_shares(sample, crowded, shares) == told_by_one(sample, crowded)
+
+
+@pytest.mark.parametrize(("broad_phase", "numbers"), [("off", ["1", "2", "3"]), ("on", ["1", "auto"])])
+def test_the_log_has_the_same_bytes_for_every_number_of_jobs(tmp_path, broad_phase, numbers):
+    logs = set()
+    for seed, jobs in enumerate(numbers):
+        output = tmp_path / f"{jobs}.mcap"
+        options = ["-q", "--broad-phase", broad_phase, "--jobs", jobs]
+        scene = FOLDER / "conveyor_gate" / "scene.yaml"
+        done = closecall("run", scene, "-o", output, *options, cwd=tmp_path, PYTHONHASHSEED=str(seed))
+        assert (done.returncode, done.stderr) == (0, "")
+        logs.add(output.read_bytes())
+    assert len(logs) == 1
+
+
+def test_a_worker_that_dies_is_one_line_and_nothing_is_written(tmp_path):
+    process = started_with_workers(tmp_path)
+    workers = workers_of(process)
+    time.sleep(0.5)
+    workers[0].kill()
+    _, told = process.communicate(timeout=60)
+    assert process.returncode == 2
+    assert told.count("\n") == 1
+    assert told.startswith("a worker process died")
+    assert [path.name for path in tmp_path.iterdir()] == ["scene.yaml"]
+    assert_gone(workers)
+
+
+@pytest.mark.parametrize("delay", [0.0, 1.0])
+def test_ctrl_c_ends_all_processes_in_one_line(tmp_path, delay):
+    process = started_with_workers(tmp_path)
+    workers = workers_of(process)
+    time.sleep(delay)
+    os.killpg(process.pid, signal.SIGINT)
+    _, told = process.communicate(timeout=60)
+    assert (process.returncode, told) == (130, "interrupted\n")
+    assert [path.name for path in tmp_path.iterdir()] == ["scene.yaml"]
+    assert_gone(workers)
+
+
+def test_workers_end_when_the_run_is_killed(tmp_path):
+    process = started_with_workers(tmp_path)
+    workers = workers_of(process)
+    time.sleep(1.0)
+    process.kill()
+    process.communicate()
+    assert not (tmp_path / "out.mcap").exists()
+    assert_gone(workers)
+
+
+@pytest.mark.parametrize(
+    ("error", "call"), [(MemoryError, (bytes, 2**62)), (ZeroDivisionError, (operator.truediv, 1.0, 0.0))]
+)
+def test_an_error_in_a_worker_is_raised_as_it_would_be_here(error, call):
+    work = Work(Unpacked(*call), Settings(), crowded=False)  # type: ignore[arg-type]
+    with pytest.raises(error):
+        streams_of(work, 5, 2, None, lambda done, of: None)
+
+
+@pytest.mark.parametrize("jobs", ["0", "many", "100000"])
+def test_a_number_of_jobs_that_cannot_be_is_refused(tmp_path, jobs):
+    done = closecall("run", FOLDER / "spinning_bar" / "scene.yaml", "-o", "out.mcap", f"--jobs={jobs}", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "expected auto, or 1 to 1024" in done.stderr
+    assert not list(tmp_path.iterdir())
