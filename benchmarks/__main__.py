@@ -13,13 +13,14 @@ import os
 import platform
 from collections.abc import Callable, Iterator
 
-from . import crowds, log_share, many_bodies, peers
+from . import crowds, jobs, log_share, many_bodies, peers
 from .table import HEAD, Row
 
 PARTS: dict[str, tuple[Callable[[], Iterator[Row]], Callable[[], Iterator[Row]]]] = {
     "peers": (lambda: peers.rows(40, 5.0, 200), lambda: peers.rows(12, 1.0, 100)),
     "crowds": (lambda: crowds.rows(1.0), lambda: crowds.rows(0.05)),
     "log": (lambda: log_share.rows(40, 5.0), lambda: log_share.rows(12, 1.0)),
+    "jobs": (lambda: jobs.rows(2, 44, 20.0), lambda: jobs.rows(2, 12, 1.0)),
     "bodies": (
         lambda: many_bodies.rows([100, 1000, 10_000, 100_000], 20.0),
         lambda: many_bodies.rows([100, 300, 1000], 20.0),

@@ -1,25 +1,30 @@
-"""What processes that share a run cost and save: bumpy bodies of 1,280 triangles, by one process and by several.
+"""What processes that share a run cost and save: rocks of 1,280 triangles, by one process and by several.
 
-`python -m benchmarks.jobs [JOBS [BODIES [SECONDS]]]` (2, 44 and 20 if not given) runs `closecall run` with its default
-options, and with `--log certificate`, by one process and by JOBS; it compares the bytes, and prints CPU and wall-clock
-seconds, CPU being summed over all processes. The serial part is the CPU time of the process that reads the scene,
-merges what the others tell, takes the snapshots and writes, as a share of what one process takes for all.
+`python -m benchmarks.jobs [JOBS [BODIES [SECONDS]]]` runs `closecall run` with `--log certificate`, and with its
+default options, by one process and by JOBS, and compares the bytes. CPU is that of all processes. The serial part is
+the CPU time of the process that reads the scene, merges what others tell, takes the snapshots and writes, as a share
+of what one process takes for all.
 """
 
 from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from subprocess import run
 from tempfile import TemporaryDirectory
 from time import perf_counter
 from typing import NamedTuple
 
-from .peers import Rocks
+from .rocks import Rocks
+from .table import Row
+
+MOST_CPU = 1.2
+MOST_SERIAL = 0.1
 
 _CHILD = """\
-import atexit, json, resource, sys
+import atexit, json, resource
 def tell():
     usages = map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
     print(json.dumps([usage.ru_utime + usage.ru_stime for usage in usages]))
@@ -54,21 +59,28 @@ def cost(scene: Path, jobs: int, kind: str) -> Cost:
     return Cost(own, children, wall, log.read_bytes())
 
 
-def main(jobs: int = 2, bodies: int = 44, seconds: float = 20.0) -> None:
-    """Print a row a kind of log."""
+def rows(jobs: int, bodies: int, seconds: float) -> Iterator[Row]:
+    """Yield CPU and serial part for each kind of log."""
     with TemporaryDirectory() as name:
         scene = Rocks(bodies).write(Path(name), seconds)
-        print(f"{bodies} bodies, {bodies * (bodies - 1) // 2} pairs, {seconds:g} s")
-        for kind in ("full", "certificate"):
+        for kind in ("certificate", "full"):
             alone, shared = cost(scene, 1, kind), cost(scene, jobs, kind)
-            bytes_told = "the same bytes" if alone.log == shared.log else "OTHER BYTES"
-            print(
-                f"--log {kind}: {bytes_told}; CPU {alone.cpu:.1f} s by one process, {shared.cpu:.1f} s by {jobs}: "
-                f"{shared.cpu / alone.cpu:.2f} times; serial {shared.own:.1f} s: {shared.own / alone.cpu:.1%}; "
-                f"wall {alone.wall:.1f} s and {shared.wall:.1f} s",
-                flush=True,
+            case = f"`--jobs {jobs} --log {kind}`, {bodies} rocks, {seconds:g} s"
+            same = alone.log == shared.log
+            took = f"{'the same bytes' if same else 'OTHER BYTES'}, {alone.cpu:.1f} s CPU and {shared.cpu:.1f} s"
+            took += f", {alone.wall:.1f} s wall and {shared.wall:.1f} s"
+            times, serial = shared.cpu / alone.cpu, shared.own / alone.cpu
+            yield Row(case, f"{times:.2f} times; {took}", f"at most {MOST_CPU}", same and times <= MOST_CPU)
+            yield Row(
+                f"its serial part, {shared.own:.1f} s",
+                f"{serial:.1%}",
+                f"at most {MOST_SERIAL:.0%}",
+                serial <= MOST_SERIAL,
             )
 
 
 if __name__ == "__main__":
-    main(*(kind(given) for kind, given in zip((int, int, float), sys.argv[1:], strict=False)))
+    kinds = (int, int, float)
+    given = [kind(text) for kind, text in zip(kinds, sys.argv[1:], strict=False)]
+    for row in rows(*[*given, *(2, 44, 20.0)[len(given) :]]):
+        print(row.markdown(), flush=True)
