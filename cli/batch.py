@@ -12,11 +12,12 @@ from rich.table import Table
 from rich.text import Text
 
 from ..formats.log.errors import LogError
+from ..formats.log.ranking import VERDICTS
 from ..formats.scene.errors import SceneError
 from .faults import WorkerError, faults_reported, report
 from .job import Result, run_job
 from .options import RunOptions
-from .show import SEVERITY, STYLES, console_for, print_json, print_warnings
+from .show import STYLES, console_for, print_json, print_warnings
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,8 +79,8 @@ def _print_table(outcomes: Sequence[Outcome]) -> None:
         worst, found = "failed", "told on stderr"
         if outcome.result is not None:
             counts = outcome.result.summary["totals"]["pairs"]
-            worst = next((verdict for verdict in SEVERITY if counts[verdict]), "no pairs")
-            found = ", ".join(f"{counts[verdict]} {verdict}" for verdict in SEVERITY if counts[verdict])
+            worst = next((verdict for verdict in VERDICTS if counts[verdict]), "no pairs")
+            found = ", ".join(f"{counts[verdict]} {verdict}" for verdict in VERDICTS if counts[verdict])
         log = "" if outcome.result is None else str(outcome.log)
         table.add_row(Text(str(outcome.scene)), Text(worst, STYLES.get(worst, "bold red")), Text(found), Text(log))
     console_for().print(table)

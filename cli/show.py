@@ -15,6 +15,7 @@ from rich.table import Table
 from rich.text import Text
 
 from ..formats.log.diff.wording import between
+from ..formats.log.ranking import VERDICTS, badness, nearness
 from ..formats.log.summary import PairSummary, Summary
 from ..formats.scene.errors import counted
 
@@ -24,9 +25,7 @@ MOST_ROWS = 20
 #: Characters.
 WIDTH_OF_A_PIPE = 1000
 
-#: Verdicts from worst to best.
-SEVERITY = ("contact", "breach", "unresolved", "possible", "clear")
-#: How each is printed.
+#: How verdicts are printed.
 STYLES = {"contact": "bold red", "breach": "red", "unresolved": "yellow", "possible": "yellow", "clear": "green"}
 
 
@@ -73,7 +72,7 @@ def print_summary(
         chosen: how many there would be to print, all if not given.
     """
     if shown is None:
-        shown = sorted(summary["pairs"], key=_badness)[:MOST_ROWS]
+        shown = sorted(summary["pairs"], key=badness)[:MOST_ROWS]
     more = (len(summary["pairs"]) if chosen is None else chosen) - len(shown)
     console = console_for(to_stderr)
     table = Table(box=None, pad_edge=False, header_style="bold")
@@ -90,22 +89,11 @@ def print_summary(
     if more:
         console.print(f"... and {counted(more, 'more pair')}")
     counts = summary["totals"]["pairs"]
-    found = ", ".join(f"{counts[verdict]} {verdict}" for verdict in SEVERITY if counts.get(verdict))
+    found = ", ".join(f"{counts[verdict]} {verdict}" for verdict in VERDICTS if counts.get(verdict))
     start, end = summary["time"]
     ignored = f"; {summary['pairs_ignored']} ignored by the scene" if summary.get("pairs_ignored") else ""
     pairs_told = counted(summary["pairs_total"], "pair")
     console.print(f"{pairs_told} over [{_seconds(start)}, {_seconds(end)}] s: {found or 'nothing to check'}{ignored}")
-
-
-def _nearness(pair: PairSummary) -> float:
-    """Return the least distance measured, else certified, m."""
-    upper = pair["distance"]["upper"]
-    return pair["distance"]["lower"] if upper is None else upper
-
-
-def _badness(pair: PairSummary) -> tuple[int, float, str]:
-    """Return the sorting key of a pair: by verdict, then by the least distance."""
-    return SEVERITY.index(pair["verdict"]), _nearness(pair), pair["pair"]
 
 
 def _earliness(pair: PairSummary) -> float:
@@ -118,8 +106,8 @@ def _earliness(pair: PairSummary) -> float:
 
 #: How pairs may be sorted; by wakeups, the most first.
 ORDERS: dict[str, Callable[[PairSummary], Any]] = {
-    "severity": _badness,
-    "distance": lambda pair: (_nearness(pair), pair["pair"]),
+    "severity": badness,
+    "distance": lambda pair: (nearness(pair), pair["pair"]),
     "time": lambda pair: (_earliness(pair), pair["pair"]),
     "name": lambda pair: pair["pair"],
     "wakeups": lambda pair: (-pair["wakeups"], pair["pair"]),
