@@ -16,6 +16,7 @@ COMMANDS = {
     "run": "Run a scene and write its certified log.",
     "check": "Check a scene and tell what was understood.",
     "summary": "Print what a log found, worst pairs first.",
+    "report": "Write what a log found as one page with map, curves and replay.",
     "diff": "Compare a log with a golden one, by what they say.",
     "export": "Write a log's messages as tables: CSV, NDJSON, Parquet.",
     "extract": "Take a part of a log, or a file that travels with it.",

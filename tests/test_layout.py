@@ -79,6 +79,9 @@ def test_the_wheel_holds_the_package_and_nothing_else(tmp_path):
     assert held == expected | {"closecall/__init__.py", "closecall/__main__.py"}
     assert "closecall/py.typed" in names
     assert "closecall/formats/log/messages.proto" in names
+    parts = {f"closecall/formats/report/page/{path.name}" for path in (ROOT / "formats/report/page").iterdir()}
+    assert len(parts) > 10
+    assert parts <= set(names)
 
 
 @pytest.mark.parametrize("arguments", [["--version"], ["--help"]])

@@ -1,0 +1,51 @@
+"""`closecall report`: a log as one page for people."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import click
+
+from ..formats.log.output import Output
+from ..formats.log.pipe import STDOUT, Pipe
+from .faults import exit_code_of, faults_reported
+
+
+@click.command("report")
+@click.argument("log", type=click.Path(path_type=Path))
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), metavar="PAGE", help="The page; - for standard output."
+)
+@click.option("-q", "--quiet", is_flag=True, help="Do not tell where the page is.")
+def command(log: Path, output: Path | None, quiet: bool) -> int:
+    """Write what LOG found as one HTML page, which needs no network; without -o beside the log, under its name.
+
+    \b
+    Examples:
+      closecall report out.mcap
+      closecall report out.mcap -o page.html
+    """
+    from ..formats.report.gathering import gather
+    from ..formats.report.page import page
+
+    target = log.with_name(f"{log.stem}.html") if output is None else output
+    with faults_reported():
+        place = Pipe(sys.stdout.buffer) if target == STDOUT else Output(target, [log])
+        gathered = gather(log)
+        data = page(gathered).encode()
+        _publish(place, data)
+        if not quiet and isinstance(place, Output):
+            click.echo(f"{target}: {len(data) / 1e6:.1f} MB")
+        return exit_code_of(gathered.loss)
+
+
+def _publish(place: Output | Pipe, data: bytes) -> None:
+    """Write a page; where that fails, nothing of it is left."""
+    try:
+        place.open().write(data)
+        place.publish()
+    except OSError as error:
+        raise place.fault(error) from error
+    finally:
+        place.discard()

@@ -1,0 +1,97 @@
+"""One self-contained page: HTML, styles, scripts and data in one file, which asks nothing of any network."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+from html import escape
+from importlib.resources import files
+from math import floor, log10
+from string import Template
+
+from . import sections
+from .gathering import Gathered
+from .packing import packed
+from .replay import Replay
+from .wording import headline
+
+# In the order that they run in, as one script.
+_SCRIPTS = (
+    "data.js",
+    "quantities.js",
+    "colours.js",
+    "pairs.js",
+    "map.js",
+    "curves.js",
+    "bodies.js",
+    "replay.js",
+    "main.js",
+)
+_LIBRARIES = "libraries.js"
+_STYLES = ("libraries.css", "style.css")
+
+# A clear pair is near within so many margins, or, where there is none, within so many times the least distance.
+_NEAR_MARGINS = 3.0
+_NEAR_LEAST = 3.0
+
+
+def page(gathered: Gathered) -> str:
+    """Return the page: the same log gives the same page."""
+    libraries = _source(_LIBRARIES)
+    scripts = "\n".join(map(_source, _SCRIPTS))
+    values = {
+        "title": escape(f"{gathered.name}: {headline(gathered.found.summary)}"),
+        "policy": _policy(libraries, scripts),
+        "name": escape(gathered.name),
+        "styles": "\n".join(map(_source, _STYLES)),
+        "verdict": sections.verdict(gathered),
+        "worst": sections.worst(gathered),
+        "shown": sections.shown(gathered),
+        "legend": sections.legend(),
+        "contacts": sections.contacts(gathered),
+        "awakenings": sections.awakenings(gathered),
+        "provenance": sections.provenance(gathered),
+        "guarantees": sections.guarantees(),
+        "replay": _replay_note(gathered.replay),
+        "data": packed(gathered, near(gathered)),
+        "libraries": libraries,
+        "scripts": scripts,
+    }
+    return Template(_source("page.html")).substitute(values)
+
+
+def near(gathered: Gathered) -> float:
+    """Return the distance, m, rounded to one digit, below which a clear pair is shown as near at first."""
+    margin = max((pair["margin"] for pair in gathered.pairs), default=0.0)
+    if margin > 0.0:
+        return _rounded(_NEAR_MARGINS * margin)
+    distances = [pair["distance"]["upper"] or pair["distance"]["lower"] for pair in gathered.pairs]
+    return _rounded(_NEAR_LEAST * min((distance for distance in distances if distance > 0.0), default=0.1))
+
+
+def _rounded(value: float) -> float:
+    """Return a number > 0 as 1, 2 or 5 times a power of ten, which is exact for those from 1 on."""
+    power = floor(log10(value))
+    first = next(digit for digit in (1, 2, 5, 10) if value <= digit * 10.0**power * (1.0 + 1e-9))
+    return float(f"{first}e{power}")
+
+
+def _policy(*scripts: str) -> str:
+    """Return a content security policy: these scripts run and no others, and nothing is fetched."""
+    hashes = [base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() for script in scripts]
+    allowed = " ".join(f"'sha256-{hashed}'" for hashed in hashes)
+    return f"default-src 'none'; script-src {allowed}; style-src 'unsafe-inline'; img-src data: blob:"
+
+
+def _replay_note(replay: Replay | None) -> str:
+    if replay is None:
+        told = "The log has no bodies to draw: it was written with <code>--log certificate</code>."
+        return f'<p class="note">{told} The rest of the page does without.</p>'
+    if not replay.moves:
+        told = "The log has the bodies as they start, but not how they move: it was written with <code>--rate 0</code>."
+        return f'<p class="note">{told} The rest of the page does without.</p>'
+    return ""
+
+
+def _source(name: str) -> str:
+    return (files("closecall.formats.report") / "page" / name).read_text(encoding="utf-8")

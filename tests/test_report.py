@@ -1,0 +1,297 @@
+"""`closecall report`: one page in one file, which says no more than the log proves, whatever bodies are called."""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import hashlib
+import json
+import os
+import re
+import subprocess
+import sys
+from decimal import Decimal
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from cli_process import SPHERES, closecall
+from hypothesis import given
+from hypothesis import strategies as st
+from report_pages import HOSTILE, hostile_log, made_up
+
+from closecall.formats.log.found import Found
+from closecall.formats.report.gathering import gather
+from closecall.formats.report.page import page
+from closecall.formats.report.quantities import at_least, at_most, interval
+from closecall.formats.report.wording import headline, proof, sentences
+
+ROOT = Path(__file__).parents[1]
+PAGE = ROOT / "formats" / "report" / "page"
+UNITS = {"km": Decimal(1000), "m": Decimal(1), "mm": Decimal("1e-3"), "µm": Decimal("1e-6"), "nm": Decimal("1e-9")}
+
+
+class Parsed(HTMLParser):
+    """A page's elements and text, the text of scripts and styles apart."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.elements: list[tuple[str, dict[str, str | None]]] = []
+        self.text = ""
+        self.apart: dict[str, list[str]] = {"script": [], "style": []}
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.elements.append((tag, dict(attrs)))
+        if tag in self.apart:
+            self.apart[tag].append("")
+
+    def handle_data(self, data: str) -> None:
+        if self.cdata_elem in self.apart:
+            self.apart[self.cdata_elem][-1] += data
+        else:
+            self.text += data
+
+    def count(self, tag: str) -> int:
+        return sum(name == tag for name, _ in self.elements)
+
+
+def block(text: str) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return the facts that a page carries for its scripts, and the arrays by name."""
+    data = gzip.decompress(base64.b64decode(Parsed(text).apart["script"][0]))
+    length = int.from_bytes(data[:4], "little")
+    facts = json.loads(data[4 : 4 + length])
+    at = 4 + length
+    arrays = {name: np.frombuffer(data, kind, count, at + offset) for name, kind, offset, count in facts["arrays"]}
+    return facts, arrays
+
+
+@pytest.fixture(scope="module")
+def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("log")
+    (folder / "scene.yaml").write_text(SPHERES)
+    done = closecall("run", "scene.yaml", "-o", "balls.mcap", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    return folder / "balls.mcap"
+
+
+@pytest.fixture(scope="module")
+def text(log: Path) -> str:
+    return page(gather(log))
+
+
+def test_a_page_refers_to_nothing_outside_itself(text: str) -> None:
+    parsed = Parsed(text)
+    for tag, attributes in parsed.elements:
+        assert not {"src", "href", "action", "srcset", "data"} & set(attributes), tag
+    assert parsed.count("link") == parsed.count("iframe") == parsed.count("img") == 0
+    assert not re.search(r"@import|url\(", "".join(parsed.apart["style"]))
+    addresses = set(re.findall(r"https?://[^\"'`)\s]+", text))
+    assert addresses == {"http://www.w3.org/1999/xhtml"}  # a namespace, which three.js makes elements with
+
+
+def test_only_the_page_s_own_scripts_may_run_and_nothing_may_be_fetched(text: str) -> None:
+    parsed = Parsed(text)
+    policy = next(a["content"] for _, a in parsed.elements if a.get("http-equiv") == "Content-Security-Policy")
+    assert policy is not None
+    rules = {rule.split()[0]: rule.split()[1:] for rule in policy.split(";")}
+    assert rules["default-src"] == ["'none'"]
+    assert set(rules) == {"default-src", "script-src", "style-src", "img-src"}
+    scripts = parsed.apart["script"][1:]
+    hashes = [base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() for script in scripts]
+    assert rules["script-src"] == [f"'sha256-{hashed}'" for hashed in hashes]
+
+
+def test_hostile_names_are_text(tmp_path: Path, text: str) -> None:
+    hostile_log(tmp_path / "<b>log.mcap")
+    hostile, plain = Parsed(page(gather(tmp_path / "<b>log.mcap"))), Parsed(text)
+    for tag in ("script", "img", "b"):
+        assert hostile.count(tag) == plain.count(tag)
+    assert not any(name.startswith("on") for _, attributes in hostile.elements for name in attributes)
+    for name in (*HOSTILE, "<b>log.mcap"):
+        assert name in hostile.text
+
+
+def test_the_same_log_gives_the_same_bytes(log: Path) -> None:
+    command = [sys.executable, "-m", "closecall", "report", str(log), "-o", "-"]
+    pages = [
+        subprocess.run(command, env=os.environ | {"PYTHONHASHSEED": seed}, capture_output=True, check=True).stdout
+        for seed in ("1", "2")
+    ]
+    assert pages[0] == pages[1]
+    assert pages[0].startswith(b"<!DOCTYPE html>")
+
+
+def test_a_page_goes_beside_its_log_or_where_it_is_told(log: Path, tmp_path: Path) -> None:
+    assert closecall("report", log, "-q", cwd=tmp_path).stdout == ""
+    beside = log.with_suffix(".html")
+    done = closecall("report", log, "-o", "new.html", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("new.html: ")
+    assert (tmp_path / "new.html").read_bytes() == beside.read_bytes()
+    assert os.listdir(tmp_path) == ["new.html"]
+    (tmp_path / "new.html").write_text("old")
+    assert closecall("report", log, "-o", "new.html", cwd=tmp_path).returncode == 0
+    assert (tmp_path / "new.html").read_bytes() == beside.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("output", "problem"),
+    [("LOG", "would overwrite the input"), ("no/new.html", "there is no folder"), (".", "folder")],
+)
+def test_a_page_that_cannot_be_written_is_refused(log: Path, tmp_path: Path, output: str, problem: str) -> None:
+    before = log.read_bytes()
+    done = closecall("report", log, "-o", log if output == "LOG" else output, cwd=tmp_path)
+    assert done.returncode == 2
+    assert problem in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+    assert log.read_bytes() == before
+    assert os.listdir(tmp_path) == []
+
+
+def test_what_is_no_log_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "text.mcap").write_text("hello")
+    for name in ("text.mcap", "missing.mcap"):
+        done = closecall("report", name, cwd=tmp_path)
+        assert (done.returncode, len(done.stderr.splitlines())) == (2, 1)
+        assert not (tmp_path / name).with_suffix(".html").exists()
+
+
+def test_a_cut_log_gives_a_page_with_a_banner_and_exit_3(log: Path, tmp_path: Path) -> None:
+    (tmp_path / "cut.mcap").write_bytes(log.read_bytes()[: log.stat().st_size // 2])
+    done = closecall("report", "cut.mcap", "-q", cwd=tmp_path)
+    assert done.returncode == 3
+    assert "unfinished at byte" in done.stderr
+    cut = Parsed((tmp_path / "cut.html").read_text())
+    assert "Not the whole log. The log is unfinished at byte" in cut.text
+    assert re.search(r"its end is not known; nothing is known of [\d.]+ to 5 s, which the log has lost", cut.text)
+    assert "to the end" not in cut.text
+
+
+def test_balls_that_touch_are_told_with_when(text: str) -> None:
+    """Centres apart by 4 - 2t and 0.3, radii 0.75: they touch while |4 - 2t| <= sqrt(0.75^2 - 0.3^2)."""
+    reach = (0.75**2 - 0.3**2) ** 0.5
+    told = Parsed(text).text
+    assert "1 of 1 pair touches." in told
+    begin = re.search(r"from ([\d.]+) s on \(begin proved within ([\d.]+) to ([\d.]+) s\)", told)
+    end = re.search(r"until ([\d.]+) s \(end proved within ([\d.]+) to ([\d.]+) s\)", told)
+    assert begin
+    assert end
+    for found, exact in ((begin, (4.0 - reach) / 2.0), (end, (4.0 + reach) / 2.0)):
+        assert float(found[2]) <= exact <= float(found[3])
+        assert float(found[3]) - float(found[2]) < 2e-6
+        assert float(found[1]) == pytest.approx(exact, abs=1e-5)
+
+
+def test_what_the_scripts_draw_is_what_the_log_holds(log: Path, text: str) -> None:
+    facts, arrays = block(text)
+    gathered = gather(log)
+    assert facts["bodies"] == ["left", "right"]
+    assert (facts["start"], facts["end"]) == (0.0, 5.0)
+    measured = gathered.curves[0].measured
+    assert len(measured) > 5
+    exact = np.maximum(0.0, np.hypot(4.0 - 2.0 * measured[:, 0], 0.3) - 0.75)
+    assert measured[:, 1] == pytest.approx(exact, abs=1e-8)
+    assert arrays["measuredTime"] == pytest.approx(measured[:, 0], abs=1e-6)
+    kinds = [facts["spanVerdicts"][str(kind)] for kind in arrays["spanVerdict"][:-1].tolist()]
+    assert kinds == ["clear", "contact", "clear"]
+    assert arrays["spanStart"][0] == 0.0
+    assert arrays["spanStart"][-1] == 5.0
+    assert arrays["touchTime"][0] == gathered.pairs[0]["contacts"][0]["begin"][1]
+
+
+def test_bodies_are_replayed_where_they_are(text: str) -> None:
+    facts, arrays = block(text)
+    tracks = facts["replay"]["tracks"]
+    assert sorted(tracks) == ["left", "right"]
+    for track, name in enumerate(tracks):
+        rows = slice(arrays["poseFrom"][track], arrays["poseFrom"][track + 1])
+        times, places = arrays["poseTime"][rows], arrays["posePlace"].reshape(-1, 3)[rows]
+        assert len(times) > 100
+        speed = 1.0 if name == "left" else -1.0
+        assert places[:, 0] - places[0, 0] == pytest.approx(speed * times, abs=1e-5)
+    (left, right) = (facts["replay"]["bodies"][index]["parts"][0]["size"] for index in range(2))
+    assert (left, right) == ([1.0] * 3, [0.5] * 3)  # diameters
+
+
+def test_of_several_verdicts_each_is_told_as_what_it_is() -> None:
+    pairs = [
+        made_up("a", "b", "clear", 0.9, 1.0, 2.0),
+        made_up("a", "c", "unresolved", 0.0, 0.5, 3.0, unresolved=[[2.9, 3.1]]),
+        made_up("b", "c", "breach", 0.7, 0.8, 1.0, margin=0.85, breaches=[[0.5, 1.5]]),
+    ]
+    summary = summary_of(*pairs)
+    assert headline(summary) == "1 of 3 pairs comes nearer than the margin."
+    told = plain(" ".join(sentences(Found(summary))))
+    assert "1 not resolved" in told
+    assert "Closest: a | c, 500 mm at 3 s (its least distance is not proved to be above 0)." in told
+    assert proof(pairs[1], []).startswith("Not proved: contact is neither found nor excluded in 2.9 to 3.1 s")
+    assert proof(pairs[2], []).startswith("No contact: never nearer than 700 mm; within the margin of 850 mm")
+
+
+def test_a_pair_that_may_come_nearer_than_the_closest_is_told() -> None:
+    pairs = [made_up("a", "b", "clear", 0.9, 1.0, 2.0), made_up("a", "c", "clear", 0.25, None, None)]
+    told = plain(" ".join(sentences(Found(summary_of(*pairs)))))
+    assert "Closest: a | b, 1 m at 2 s (proved to lie between 900 mm and 1 m)." in told
+    assert "As near or nearer may come 1 other pair, such as a | c, proved to stay 250 mm apart." in told
+    pairs[1]["distance"]["lower"] = 1.5
+    assert "nearer may come" not in plain(" ".join(sentences(Found(summary_of(*pairs)))))
+
+
+def test_pairs_that_boxes_cleared_are_counted_and_no_distance_is_claimed() -> None:
+    summary = summary_of(made_up("a", "b", "clear", 0.9, 1.0, 2.0), total=5)
+    assert headline(summary).startswith("All 5 pairs stay clear, which is proved for every instant")
+    assert "4 pairs stayed clear by boxes that never meet: how near they come is not told." in sentences(Found(summary))
+
+
+def summary_of(*pairs: Any, total: int | None = None) -> Any:
+    counts = dict.fromkeys(("contact", "breach", "unresolved", "possible", "clear"), 0)
+    total = len(pairs) if total is None else total
+    for pair in pairs:
+        counts[pair["verdict"]] += 1
+    counts["clear"] += total - len(pairs)
+    return {"pairs": list(pairs), "pairs_total": total, "time": [0.0, 4.0], "totals": {"pairs": counts}}
+
+
+def plain(html: str) -> str:
+    return Parsed(html).text
+
+
+def metres(text: str) -> Decimal:
+    if text == "0":
+        return Decimal(0)
+    number, unit = text.split(" ")
+    return Decimal(number) * UNITS[unit]
+
+
+@given(st.floats(0.0, 1e12))
+def test_bounds_in_words_stay_true(value: float) -> None:
+    low, high = metres(at_least(value)), metres(at_most(value))
+    assert low <= Decimal(repr(value)) <= high
+    assert high - low <= Decimal(repr(value)) * Decimal("1.1e-3")
+
+
+@given(st.floats(-1e9, 1e9), st.floats(1e-9, 1e3), st.booleans())
+def test_brackets_in_words_hold_the_bracket(start: float, length: float, forward: bool) -> None:
+    end = start + length
+    if end == start:
+        return
+    first, last = interval(*((start, end) if forward else (end, start))).removesuffix(" s").split(" to ")
+    low, high = (Decimal(first), Decimal(last)) if forward else (Decimal(last), Decimal(first))
+    assert low <= Decimal(repr(start)) < Decimal(repr(end)) <= high
+    assert high - low <= Decimal("1.3") * (Decimal(end) - Decimal(start)) + Decimal("0.002")
+
+
+def test_the_libraries_are_those_that_were_built() -> None:
+    """docs/report_libraries/build makes them of pinned packages and keeps their checksums."""
+    told = (ROOT / "docs/report_libraries/checksums").read_text().splitlines()
+    assert told == [
+        f"{hashlib.sha256((PAGE / name).read_bytes()).hexdigest()}  {name}"
+        for name in ("libraries.js", "libraries.css")
+    ]
+    notice = (PAGE / "libraries.js").read_text()[:4000]
+    pinned = json.loads((ROOT / "docs/report_libraries/package.json").read_text())["dependencies"]
+    for name in ("three", "uplot"):
+        assert f"\n{name} {pinned[name]}\n\nThe MIT License" in notice
