@@ -37,9 +37,18 @@ Step = Callable[[np.ndarray], object]
 """Takes poses (n, 4, 4), and answers for that instant."""
 
 
+def fcl_model(rocks: Rocks) -> Any:
+    """Return FCL's model of the mesh."""
+    model = fcl.BVHModel()
+    model.beginModel(len(rocks.mesh.vertices), len(rocks.mesh.faces))
+    model.addSubModel(rocks.mesh.vertices, rocks.mesh.faces)
+    model.endModel()
+    return model
+
+
 def fcl_exact(rocks: Rocks, count: int) -> Step:
     """python-fcl: the exact distance of every pair."""
-    objects = [fcl.CollisionObject(_fcl_model(rocks), fcl.Transform()) for _ in range(count)]
+    objects = [fcl.CollisionObject(fcl_model(rocks), fcl.Transform()) for _ in range(count)]
     request = fcl.DistanceRequest(enable_nearest_points=True)
 
     def step(poses: np.ndarray) -> object:
@@ -52,7 +61,7 @@ def fcl_exact(rocks: Rocks, count: int) -> Step:
 
 def fcl_manager(rocks: Rocks, count: int) -> Step:
     """python-fcl's AABB-tree manager: whether any two collide, yes or no; nothing of the others."""
-    objects = [fcl.CollisionObject(_fcl_model(rocks), fcl.Transform()) for _ in range(count)]
+    objects = [fcl.CollisionObject(fcl_model(rocks), fcl.Transform()) for _ in range(count)]
     manager = fcl.DynamicAABBTreeCollisionManager()
     manager.registerObjects(objects)
     manager.setup()
@@ -256,14 +265,6 @@ def _ratio(case: str, ratio: float, target: float | None) -> Row:
     if target is None:
         return Row(case, f"{ratio:.1f} times")
     return Row(case, f"{ratio:.0f} times", f"at least {target:.0f}", ratio >= target)
-
-
-def _fcl_model(rocks: Rocks) -> Any:
-    model = fcl.BVHModel()
-    model.beginModel(len(rocks.mesh.vertices), len(rocks.mesh.faces))
-    model.addSubModel(rocks.mesh.vertices, rocks.mesh.faces)
-    model.endModel()
-    return model
 
 
 def main(count: int = 40, seconds: float = 5.0, share: int = 50) -> None:
