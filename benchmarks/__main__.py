@@ -13,13 +13,15 @@ import os
 import platform
 from collections.abc import Callable, Iterator
 
-from . import crowds, ideal, jobs, log_share, many_bodies, peers
+from . import crowds, ideal, jobs, log_share, many_bodies, peers, python_share, start_up
 from .table import HEAD, Row
 
 PARTS: dict[str, tuple[Callable[[], Iterator[Row]], Callable[[], Iterator[Row]]]] = {
     "peers": (lambda: peers.rows(40, 5.0, 200), lambda: peers.rows(12, 1.0, 100)),
     "crowds": (lambda: crowds.rows(1.0), lambda: crowds.rows(0.05)),
     "queries": (lambda: ideal.rows(40, 5.0, 200), lambda: ideal.rows(12, 1.0, 20)),
+    "python": (lambda: python_share.rows(40, 5.0), lambda: python_share.rows(12, 1.0)),
+    "start": (lambda: start_up.rows(8), lambda: start_up.rows(6)),
     "log": (lambda: log_share.rows(40, 5.0), lambda: log_share.rows(12, 1.0)),
     "jobs": (lambda: jobs.rows(2, 44, 20.0), lambda: jobs.rows(2, 12, 1.0)),
     "bodies": (

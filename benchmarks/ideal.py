@@ -1,8 +1,8 @@
 """Exact queries against the greedy ideal, for pairs of 40 bumpy bodies that never touch.
 
 The ideal measures a pair exactly, and sleeps for as long as the true displacement of all vertices relative to each
-other stays below that distance, but at least for the time resolution. No bound on displacement can sleep longer; one that
-looks at directions can. The displacement is sampled densely, which takes long, so that only some pairs are tried.
+other stays below that distance, but at least for the time resolution. No bound on displacement can sleep longer; one
+that looks at directions can. The displacement is sampled densely, which takes long, so that only some pairs are tried.
 
 `python -m benchmarks.ideal [BODIES [SECONDS [PAIRS]]]` prints how many times more often the scheduler measures exactly,
 and beside it what the search for least distances and the pictures for viewers add. Pairs that bounding spheres settle

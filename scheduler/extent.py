@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -20,7 +21,7 @@ class Ball:
     radius: float
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Extent:
     """A body's points in its own frame: those that span it, each rounded by its radius, and a ball around all.
 
@@ -32,6 +33,12 @@ class Extent:
     points: FloatArray
     radii: FloatArray
     ball: Ball
+
+    @cached_property
+    def high(self) -> FloatArray:
+        """The high corner (3,) m of the box around all, along the body's axes."""
+        corner: FloatArray = (self.points + self.radii[:, None]).max(axis=0)
+        return corner
 
 
 def bounding_ball(points: FloatArray) -> Ball:

@@ -75,8 +75,7 @@ class SweptBody:
         self._level = 0
         self._chain: Chain | None = None
         if not side.unknown:
-            high = (extent.points + extent.radii[:, None]).max(axis=0)
-            self._half = high - np.array(extent.ball.centre)
+            self._half = extent.high - np.array(extent.ball.centre)
             if self._half.min() < SLENDER * self._radius:
                 self._chain = chain
 
