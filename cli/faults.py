@@ -51,7 +51,7 @@ def faults_reported(output: Path | None = None) -> Iterator[None]:
         report(fault, output)
         sys.exit(WITH_LOSS if isinstance(fault, DamagedLogError) else 2)
     except MemoryError:
-        click.echo("out of memory: the scene is too large for this machine", err=True)
+        click.echo("out of memory: the scene or the log is too large for this machine", err=True)
         sys.exit(2)
     except KeyboardInterrupt:
         click.echo("interrupted" + _how_to_recover(output), err=True)

@@ -1,15 +1,19 @@
-"""closecall as a process of its own: what the tests of the command line share."""
+"""closecall as a process of its own, or inside the tests' own: what the tests of the command line share."""
 
 import os
 import signal
 import subprocess
 import sys
 import time
+from contextlib import chdir, redirect_stderr, redirect_stdout
+from io import BytesIO, TextIOWrapper
 from pathlib import Path
 
 from mcap.exceptions import McapError
 from mcap.records import Message
 from mcap.stream_reader import StreamReader
+
+from closecall.cli.main import main
 
 SPHERES = """\
 closecall: 1
@@ -29,6 +33,25 @@ def closecall(*arguments: object, cwd: Path, **environment: str) -> subprocess.C
     """Run the command to its end."""
     variables = {**os.environ, **environment}
     return subprocess.run(command(*arguments), cwd=cwd, env=variables, capture_output=True, text=True, timeout=120)
+
+
+def closecall_inside(*arguments: object, cwd: Path) -> subprocess.CompletedProcess[str]:
+    """Run the command inside this process, which saves starting one."""
+    out, err = (TextIOWrapper(BytesIO(), encoding="utf-8") for _ in range(2))
+    argv, handler = sys.argv, signal.getsignal(signal.SIGTERM)
+    sys.argv = ["closecall", *map(str, arguments)]
+    code: object = None
+    try:
+        with chdir(cwd), redirect_stdout(out), redirect_stderr(err):
+            main()
+    except SystemExit as left:
+        code = left.code
+    finally:
+        sys.argv = argv
+        signal.signal(signal.SIGTERM, handler)
+    for stream in (out, err):
+        stream.seek(0)
+    return subprocess.CompletedProcess(sys.argv, code if isinstance(code, int) else 0, out.read(), err.read())
 
 
 def long_scene() -> str:

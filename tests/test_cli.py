@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from cli_process import SPHERES, closecall
+from cli_process import SPHERES, closecall, closecall_inside
 from diff_logs import run_scene, write_scene
 
 
@@ -54,11 +54,13 @@ def test_summary_filters_sorts_and_limits(tmp_path):
     run_scene(write_scene(tmp_path), tmp_path / "out.mcap")
 
     def rows(*options: str) -> list[str]:
-        printed = closecall("summary", "out.mcap", *options, cwd=tmp_path).stdout.splitlines()
+        printed = closecall_inside("summary", "out.mcap", *options, cwd=tmp_path).stdout.splitlines()
         return [line.split("  ")[0] for line in printed if " | " in line]
 
     def pairs(*options: str) -> list[dict[str, Any]]:
-        printed: dict[str, Any] = json.loads(closecall("summary", "out.mcap", "--json", *options, cwd=tmp_path).stdout)
+        printed: dict[str, Any] = json.loads(
+            closecall_inside("summary", "out.mcap", "--json", *options, cwd=tmp_path).stdout
+        )
         assert printed["pairs_total"] == sum(printed["totals"]["pairs"].values()) == 9
         listed: list[dict[str, Any]] = printed["pairs"]
         return listed
@@ -74,10 +76,13 @@ def test_summary_filters_sorts_and_limits(tmp_path):
     wakeups = [pair["wakeups"] for pair in pairs("--sort", "wakeups", "--limit", "4")]
     assert wakeups == sorted((pair["wakeups"] for pair in everything), reverse=True)[:4]
     assert rows("--sort", "time", "--limit", "1") == ["arm | rail"]
-    limited = closecall("summary", "out.mcap", "--limit", "2", cwd=tmp_path).stdout
+    limited = closecall_inside("summary", "out.mcap", "--limit", "2", cwd=tmp_path).stdout
     assert "... and 7 more pairs" in limited
-    assert "no pair is such" in closecall("summary", "out.mcap", "--pair", "none", cwd=tmp_path).stdout
-    assert "'bad' is not one of contact" in closecall("summary", "out.mcap", "--verdict", "bad", cwd=tmp_path).stderr
+    assert "no pair is such" in closecall_inside("summary", "out.mcap", "--pair", "none", cwd=tmp_path).stdout
+    assert (
+        "'bad' is not one of contact"
+        in closecall_inside("summary", "out.mcap", "--verdict", "bad", cwd=tmp_path).stderr
+    )
 
 
 def test_options_override_the_scenes_settings(scene, tmp_path):

@@ -9,7 +9,7 @@ import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
 import pytest
-from cli_process import closecall, command
+from cli_process import closecall_inside, command
 from diff_logs import SCENE, run_scene, write_scene
 from test_cli_terminal import on_a_terminal
 
@@ -42,7 +42,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ],
 )
 def test_the_exit_code_says_how_it_went(folder, arguments, code):
-    done = closecall("diff", *arguments, cwd=folder)
+    done = closecall_inside("diff", *arguments, cwd=folder)
     assert done.returncode == code, done
     assert "Traceback" not in done.stderr
     assert bool(done.stderr) == (code in (2, 3))
@@ -53,7 +53,7 @@ def test_the_exit_code_says_how_it_went(folder, arguments, code):
 
 
 def test_quiet_prints_nothing(folder):
-    done = closecall("diff", "golden.mcap", "new.mcap", "-q", cwd=folder)
+    done = closecall_inside("diff", "golden.mcap", "new.mcap", "-q", cwd=folder)
     assert (done.returncode, done.stdout, done.stderr) == (1, "", "")
 
 
@@ -75,7 +75,7 @@ def test_a_terminal_of_any_width_shows_all_of_it(folder, columns):
 
 
 def test_json_has_every_difference_and_the_first(folder):
-    told = json.loads(closecall("diff", "golden.mcap", "new.mcap", "--json", cwd=folder).stdout)
+    told = json.loads(closecall_inside("diff", "golden.mcap", "new.mcap", "--json", cwd=folder).stdout)
     assert told["same"] is False
     assert sum(told["by_cause"].values()) == len(told["differences"]) == 5
     assert (told["first"]["cause"], told["first"]["subject"]) == ("verdict changed", "arm|rail")
@@ -83,12 +83,12 @@ def test_json_has_every_difference_and_the_first(folder):
     assert begin["change"] == pytest.approx(0.00304, abs=2e-6)
     assert begin["new"] - begin["golden"] == begin["change"]
     assert begin["keys"] == {"arm": ["home", "reach"]}
-    same = json.loads(closecall("diff", "golden.mcap", "same.mcap", "--json", cwd=folder).stdout)
+    same = json.loads(closecall_inside("diff", "golden.mcap", "same.mcap", "--json", cwd=folder).stdout)
     assert (same["same"], same["first"], same["differences"]) == (True, None, [])
 
 
 def test_limit_says_how_many_are_not_shown(folder):
-    shown = closecall("diff", "golden.mcap", "new.mcap", "--limit", "2", cwd=folder).stdout
+    shown = closecall_inside("diff", "golden.mcap", "new.mcap", "--limit", "2", cwd=folder).stdout
     assert "contact appeared: 2, the largest\n" in shown
     assert "different: 5 differences, in 2 of 9 pairs" in shown
 
@@ -96,7 +96,7 @@ def test_limit_says_how_many_are_not_shown(folder):
 def test_junit_has_a_case_for_every_pair(folder, tmp_path):
     report = tmp_path / "report.xml"
     report.write_text("an older report")
-    assert closecall("diff", "golden.mcap", "new.mcap", "--junit", report, "-q", cwd=folder).returncode == 1
+    assert closecall_inside("diff", "golden.mcap", "new.mcap", "--junit", report, "-q", cwd=folder).returncode == 1
     suite = ElementTree.parse(report).getroot().find("testsuite")
     assert suite is not None
     cases = {case.get("name"): case for case in suite.findall("testcase")}
@@ -105,7 +105,7 @@ def test_junit_has_a_case_for_every_pair(folder, tmp_path):
     failure = cases["arm|wall"].find("failure")
     assert failure is not None
     assert "contact begin moved 3.04 ms later" in failure.get("message", "")
-    assert closecall("diff", "golden.mcap", "cut.mcap", "--junit", report, "-q", cwd=folder).returncode == 3
+    assert closecall_inside("diff", "golden.mcap", "cut.mcap", "--junit", report, "-q", cwd=folder).returncode == 3
     suite = ElementTree.parse(report).getroot().find("testsuite")
     assert suite is not None
     assert (suite.get("failures"), suite.get("errors")) == ("0", "1")

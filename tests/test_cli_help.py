@@ -12,7 +12,7 @@ from importlib import import_module
 from pathlib import Path
 
 import pytest
-from cli_process import closecall
+from cli_process import closecall_inside
 from diff_logs import run_scene, write_scene
 
 from closecall.cli.main import COMMANDS, group, main
@@ -67,8 +67,9 @@ def test_the_examples_of_a_help_run_as_printed(
 
 
 @pytest.mark.parametrize("name", ["", *COMMANDS])
-def test_examples_are_not_broken_over_lines(name: str, folder: Path) -> None:
-    shown = closecall(*([name] if name else []), "--help", cwd=folder, COLUMNS="100").stdout
+def test_examples_are_not_broken_over_lines(name: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "100")
+    shown = closecall_inside(*([name] if name else []), "--help", cwd=folder).stdout
     for line in examples(name):
         assert any(line == printed.strip() for printed in shown.splitlines()), line
 
@@ -102,7 +103,7 @@ def test_other_shells_complete_too(shell: str, folder: Path) -> None:
     if shutil.which(shell) is None:
         pytest.skip(f"there is no {shell} here")
     script = folder / "script"
-    script.write_text(closecall("completion", shell, cwd=folder).stdout)
+    script.write_text(closecall_inside("completion", shell, cwd=folder).stdout)
     assert subprocess.run([shell, "-n", script], capture_output=True, timeout=60).returncode == 0
     if shell == "fish":
         (folder / "closecall").write_text(f'#!/bin/sh\nexec {sys.executable} -m closecall "$@"\n')

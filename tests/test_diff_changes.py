@@ -211,7 +211,7 @@ CASES = {
     "a minimum 0.4 mm lower": Case(
         log(change=edited("/distances", nearer)),
         {"minimum fell": 1},
-        words="minimum fell by 400 um, within both brackets",
+        words="minimum fell by 0.4 mm, within both brackets",
     ),
     "a minimum 0.4 mm lower, tolerated": Case(
         log(change=edited("/distances", nearer)), {}, Rules(Tolerances(distance_share=0.011))

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 import yaml
+from cli_process import closecall_inside
 from diff_logs import SCENE, write_scene
 from test_pytest_plugin import run_pytest
+
+pytest_plugins = ["pytester"]
 
 DOCUMENT = (Path(__file__).parents[1] / "docs" / "ci.md").read_text(encoding="utf-8")
 README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
@@ -57,19 +61,26 @@ def test_the_shell_recipe_and_the_workflow_run_as_printed(project):
     assert "<failure" not in (project / "reports" / "cell.xml").read_text()
 
 
-def test_the_tests_run_as_printed(project):
-    (project / "test_cell.py").write_text(blocks("python")[0])
-    assert run_pytest(project, "--closecall-update").returncode == 0
-    assert (project / "test_cell" / "test_the_cell_is_as_it_was.mcap").exists()
+def test_the_tests_run_as_printed(pytester):
+    write_scene(pytester.path / "scenes" / "cell")
+    (pytester.path / "test_cell.py").write_text(blocks("python")[0])
+    assert run_pytest(pytester, "--closecall-update").returncode == 0
+    assert (pytester.path / "test_cell" / "test_the_cell_is_as_it_was.mcap").exists()
     assert "test_cell/test_the_cell_is_as_it_was.mcap" in DOCUMENT
 
 
-def test_readme_prints_what_its_comparison_prints(project):
+def test_readme_prints_what_its_comparison_prints(tmp_path):
+    (tmp_path / "sample_scenes").symlink_to(Path(__file__).parents[1] / "sample_scenes")
     section = README.split("## Comparing logs")[1]
     script = section.split("```sh\n")[1].split("```")[0]
     shown = section.split("ends in\n\n```\n")[1].split("```")[0]
-    root = Path(__file__).parents[1]
-    done = shell(script.replace("sample_scenes", str(root / "sample_scenes")), project, project)
+    done = None
+    for line in script.splitlines():
+        program, *words = shlex.split(line, comments=True)
+        if program == "closecall":
+            done = closecall_inside(*words, cwd=tmp_path)
+        else:
+            subprocess.run(["sh", "-c", line], cwd=tmp_path, check=True)
+    assert done is not None
     assert done.returncode == 1
-    lines = [line.rstrip() for line in done.stdout.splitlines()]
-    assert lines[-len(shown.splitlines()) :] == shown.splitlines()
+    assert [line.rstrip() for line in done.stdout.splitlines()] == shown.splitlines()

@@ -13,7 +13,7 @@ from typing import Any
 
 import pyarrow.parquet
 import pytest
-from cli_process import closecall, command
+from cli_process import closecall_inside, command
 from diff_logs import run_scene, write_scene
 
 from closecall.formats.log.choice import Choice
@@ -116,7 +116,7 @@ def columns_told(text: str) -> dict[str, str]:
 )
 def test_what_cannot_be_exported_is_told(log, arguments, code, said):
     (log.parent / "cut.mcap").write_bytes(log.read_bytes()[:-3000])
-    done = closecall("export", *arguments, cwd=log.parent)
+    done = closecall_inside("export", *arguments, cwd=log.parent)
     assert done.returncode == code
     assert said in done.stderr
     assert "Traceback" not in done.stderr

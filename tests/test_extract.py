@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from cli_process import closecall
+from cli_process import closecall_inside
 from diff_logs import SCENE, run_scene, write_scene
 
 from closecall.formats.log.choice import Choice
@@ -62,7 +62,7 @@ def test_a_part_says_of_its_time_and_pairs_what_the_log_said(log, tmp_path):
 
 def test_what_bodies_look_like_is_kept_for_viewers(log, tmp_path):
     part = taken(log, tmp_path / "part.mcap", start=1.5)
-    done = closecall("export", part, "--topic", "/tf", cwd=tmp_path)
+    done = closecall_inside("export", part, "--topic", "/tf", cwd=tmp_path)
     assert done.stdout.count("\n") > 10
     assert b"/scene/meshes" in part.read_bytes()
 
@@ -81,11 +81,11 @@ def test_a_part_outside_the_run_is_empty_and_a_log(log, tmp_path):
 
 
 def test_files_that_travel_with_a_log_are_listed_and_taken(log, tmp_path):
-    listed = closecall("extract", log, cwd=tmp_path).stdout
+    listed = closecall_inside("extract", log, cwd=tmp_path).stdout
     for name in ("scene", "settings.json", "mesh/", "layout.json", "summary.json"):
         assert name in listed
-    assert closecall("extract", log, "scene", cwd=tmp_path).stdout == SCENE
-    assert closecall("extract", log, "scene", "-o", "again.yaml", cwd=tmp_path).returncode == 0
+    assert closecall_inside("extract", log, "scene", cwd=tmp_path).stdout == SCENE
+    assert closecall_inside("extract", log, "scene", "-o", "again.yaml", cwd=tmp_path).returncode == 0
     assert (tmp_path / "again.yaml").read_text() == SCENE
 
 
@@ -104,7 +104,7 @@ def test_files_that_travel_with_a_log_are_listed_and_taken(log, tmp_path):
 def test_what_cannot_be_extracted_is_told(log, arguments, code, said):
     (log.parent / "cut.mcap").write_bytes(log.read_bytes()[:-3000])
     before = log.read_bytes()
-    done = closecall("extract", *arguments, cwd=log.parent)
+    done = closecall_inside("extract", *arguments, cwd=log.parent)
     assert done.returncode == code
     assert said in done.stderr
     assert "Traceback" not in done.stderr

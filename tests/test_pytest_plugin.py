@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 import tomllib
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 from diff_logs import SCENE, write_scene
+
+pytest_plugins = ["pytester"]
 
 PLUGIN = "closecall.cli.pytest_plugin"
 TEST = """\
@@ -24,48 +26,57 @@ def test_margins(closecall_golden, margin):
 """
 
 
-def run_pytest(folder: Path, *options: str) -> subprocess.CompletedProcess[str]:
-    """Run pytest in a folder, with this plugin and no other."""
-    environment = {**os.environ, "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", PLUGIN, *options, "."]
-    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=120)
+@dataclass(frozen=True)
+class Ran:
+    """How a run of pytest ended."""
+
+    returncode: int
+    stdout: str
+
+
+def run_pytest(pytester: pytest.Pytester, *options: str) -> Ran:
+    """Run pytest in the project's folder, with this plugin and no other."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
+        result = pytester.runpytest_inprocess("-q", "-p", "no:cacheprovider", "-p", PLUGIN, *options, ".")
+    return Ran(int(result.ret), str(result.stdout))
 
 
 @pytest.fixture
-def project(tmp_path: Path) -> Path:
-    write_scene(tmp_path)
-    (tmp_path / "test_scenes.py").write_text(TEST)
-    return tmp_path
+def project(pytester: pytest.Pytester) -> Path:
+    write_scene(pytester.path)
+    (pytester.path / "test_scenes.py").write_text(TEST)
+    return pytester.path
 
 
-def test_goldens_are_written_when_asked_for_then_compared_and_updated_where_they_differ(project):
-    missing = run_pytest(project)
+def test_goldens_are_written_when_asked_for_then_compared_and_updated_where_they_differ(project, pytester):
+    missing = run_pytest(pytester)
     assert missing.returncode == 1
     assert "there is no golden log" in missing.stdout
     assert "--closecall-update" in missing.stdout
     assert not (project / "test_scenes").exists()
 
-    assert run_pytest(project, "--closecall-update").returncode == 0
+    assert run_pytest(pytester, "--closecall-update").returncode == 0
     goldens = {path.name: path.read_bytes() for path in (project / "test_scenes").iterdir()}
     assert sorted(goldens) == ["test_cell.mcap", "test_margins_0.001.mcap"]
-    assert run_pytest(project).returncode == 0
+    assert run_pytest(pytester).returncode == 0
 
     write_scene(project, SCENE.replace("t: 1,", "t: 1.0032,"))
-    differs = run_pytest(project)
+    differs = run_pytest(pytester)
     assert "1 failed, 1 passed" in differs.stdout, "the other tolerates it"
     assert "arm | wall: contact begin moved 3.04 ms later" in differs.stdout
     assert "Traceback" not in differs.stdout
     assert "pytest_plugin.py" not in differs.stdout, "no lines of the plugin's own"
 
-    assert run_pytest(project, "--closecall-update").returncode == 0
+    assert run_pytest(pytester, "--closecall-update").returncode == 0
     changed = {name for name, data in goldens.items() if (project / "test_scenes" / name).read_bytes() != data}
     assert changed == {"test_cell.mcap"}
 
 
-def test_what_is_wrong_with_a_scene_or_an_option_is_a_line(project):
+def test_what_is_wrong_with_a_scene_or_an_option_is_a_line(project, pytester):
     (project / "test_scenes.py").write_text(TEST.replace('"--margin"', '"--margni"'))
     write_scene(project, SCENE.replace("bodies:", "bodeis:"))
-    failed = run_pytest(project).stdout
+    failed = run_pytest(pytester).stdout
     assert "unknown key 'bodeis'" in failed
     assert "No such option '--margni'" in failed
     assert "Traceback" not in failed

@@ -17,9 +17,9 @@ _READ_ON = (Cause.BEGIN, Cause.END, Cause.BREACH_MOVED, Cause.MINIMUM_FELL, Caus
 
 
 def amount(value: float, unit: str) -> str:
-    """Return a size in three digits, in a unit that fits it."""
+    """Return a size in three digits, in a unit of which it is a tenth or more."""
     for scale, name in _SCALES.get(unit, ()):
-        if abs(value) >= scale:
+        if abs(value) >= 0.1 * scale:
             return f"{abs(value) / scale:.3g} {name}"
     return f"{abs(value):.3g} {unit}".rstrip()
 
