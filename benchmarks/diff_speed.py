@@ -3,7 +3,8 @@
     python -m benchmarks.diff_speed [messages of each log, 1000000] [pairs, 100]
 
 The logs are written first: wakeups and distances of pairs of bodies by turns, in the writer's own chunks, some contacts
-and spans. The new one has every contact 3.2 ms later. Each program runs by itself; CPU s and peak memory are its own.
+and spans. The new one has every contact 3.2 ms later; so have two more, one of another epoch, and one in which hardly
+any message has its like. Each program runs by itself; CPU s and peak memory are its own.
 """
 
 from __future__ import annotations
@@ -49,18 +50,24 @@ for path in sys.argv[1:]:
 """
 
 
-def write_log(path: Path, messages: int, pairs: int, later: float) -> None:
-    """Write a log of about so many messages, of so many pairs, whose contacts begin so much later (s)."""
+def write_log(path: Path, messages: int, pairs: int, later: float, shift: float = 0.0, epoch: int = 0) -> None:
+    """Write a log of about so many messages, of so many pairs.
+
+    Args:
+        later: s, by which contacts begin later.
+        shift: s, by which pairs wake later.
+        epoch: ns, of the log.
+    """
     bodies = tuple(Body(f"body_{i}", None, np.eye(4), cast(Any, None), ()) for i in range(pairs + 1))
     source = path.with_suffix(".yaml")
     source.write_bytes(b"closecall: 1\n")
     loaded = LoadedScene(source, source.read_bytes(), Scene(bodies, 0.0, _END, PairRules()), Settings(), (), ())
     keys = [PairKey(pair_id(0, i, len(bodies)), 0, i) for i in range(1, pairs + 1)]
     steps = messages // (2 * pairs)
-    with LogWriter(path, loaded, Settings(), pairs, LogOptions()) as log:
+    with LogWriter(path, loaded, Settings(), pairs, LogOptions(epoch=epoch)) as log:
         for step in range(steps):
             for number, pair in enumerate(keys):
-                time = _END * (step + number / pairs) / steps
+                time = min(_END, _END * (step + number / pairs) / steps + shift)
                 distance = 0.5 + 0.1 * sin(time + number)
                 point = (time, distance, 0.0)
                 log.write(Wakeup(time, pair, Reason.TIME_BOUND, Level.MESH, Bound.DISPLACEMENT, distance, _END / steps))
@@ -93,16 +100,22 @@ def main() -> None:
     messages = int(sys.argv[1]) if len(sys.argv) > 1 else 1_000_000
     pairs = int(sys.argv[2]) if len(sys.argv) > 2 else 100
     with TemporaryDirectory() as folder:
-        golden, new = Path(folder, "golden.mcap"), Path(folder, "new.mcap")
+        golden, new, epoch, other = (Path(folder, f"{name}.mcap") for name in ("golden", "new", "epoch", "other"))
         write_log(golden, messages, pairs, 0.0)
         write_log(new, messages, pairs, 0.0032)
-        print(f"two logs of {messages} messages, {pairs} pairs, {golden.stat().st_size / 2**20:.0f} MB each")
+        write_log(epoch, messages, pairs, 0.0032, epoch=10**18)
+        write_log(other, messages, pairs, 0.0032, shift=1e-4)
+        print(f"logs of {messages} messages, {pairs} pairs, {golden.stat().st_size / 2**20:.0f} MB each")
         reader, memory, _ = taken(sys.executable, "-c", _READ, str(golden), str(new))
-        print(f"mcap's stream reader: {reader:.1f} s of CPU, {memory:.0f} MB")
-        diff = [sys.executable, "-m", "closecall", "diff", str(golden), str(new)]
-        for options in ([], ["--all"]):
-            seconds, memory, printed = taken(*diff, *options)
-            name = " ".join(["closecall diff", *options])
+        print(f"mcap's stream reader over two of them: {reader:.1f} s of CPU, {memory:.0f} MB")
+        for name, log, options in (
+            ("closecall diff", new, []),
+            ("closecall diff --all", new, ["--all"]),
+            ("closecall diff --all, another epoch", epoch, ["--all"]),
+            ("closecall diff --all, nothing has its like", other, ["--all"]),
+        ):
+            diff = [sys.executable, "-m", "closecall", "diff", str(golden), str(log), *options]
+            seconds, memory, printed = taken(*diff)
             print(f"{name}: {seconds:.1f} s of CPU, {memory:.0f} MB, {seconds / reader:.2f} times")
             print("    " + printed.splitlines()[-1])
 

@@ -7,6 +7,7 @@ import io
 import json
 import math
 import re
+import signal
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -130,6 +131,23 @@ def test_a_reader_that_leaves_early_ends_the_export_quietly(log):
     assert done.stdout.startswith("time,log_time,pair,pair_id,body_a,body_b,reason,")
     assert len(done.stdout.splitlines()) == 2
     assert (done.returncode, done.stderr) == (141, "")
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_signal_ends_an_export_in_a_line(log, number, code):
+    export = command("export", log, "--topic", "/distances", "--format", "ndjson")
+    process = subprocess.Popen(
+        export,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    assert process.stdout is not None
+    assert process.stdout.read(10) == b'{"time": 0'  # and no more: the pipe fills, and the export waits
+    process.send_signal(number)
+    _, told = process.communicate(timeout=60)
+    assert process.returncode == code
+    assert told.count(b"\n") == 1
 
 
 def test_an_export_that_fails_leaves_nothing(log, tmp_path, monkeypatch):

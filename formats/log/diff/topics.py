@@ -89,8 +89,11 @@ class TopicDiff:
     def _relative(self, log: LogReader) -> Iterator[tuple[Source, int, bytes]]:
         """Yield a log's messages with their times since its epoch, ns."""
         epoch = log.identity.epoch
+        wanted: dict[str, bool] = {}
         for source, log_time, data in log.messages():
-            if source.kind is not None and not self._ignored.topic(source.topic):
+            if source.topic not in wanted:
+                wanted[source.topic] = source.kind is not None and not self._ignored.topic(source.topic)
+            if wanted[source.topic]:
                 yield source, log_time - epoch, data
 
     def _take(self, message: tuple[Source, int, bytes], side: _Side, opposite: _Side) -> None:
@@ -103,7 +106,7 @@ class TopicDiff:
             return
         subject = getattr(decoded, "pair", "") if source.topic != "/world" else ""
         subject = subject or getattr(decoded, "body", "")
-        if "|" in subject and self._ignored.pair(subject):
+        if self._ignored.patterns and "|" in subject and self._ignored.pair(subject):
             return
         step = time // self._step
         for near in (step, step - 1, step + 1):
@@ -133,14 +136,14 @@ class TopicDiff:
 
     def _give_up(self, side: _Side, most: int) -> None:
         """Count the messages that wait longest as differences, until no more than `most` wait."""
-        while side.count > most:
-            key = next(iter(side.waiting))
+        for key in list(side.waiting):
+            if side.count <= most:
+                return
+            topic, subject, _ = key
             for time, _ in side.waiting.pop(key):
                 side.count -= 1
-                topic, subject, _ = key
-                self._tally(
-                    side.cause, f"{topic} {subject}".rstrip(), None, None, nan, "", time / NANOSECONDS_PER_SECOND
-                )
+                seconds = time / NANOSECONDS_PER_SECOND
+                self._tally(side.cause, f"{topic} {subject}".rstrip(), None, None, nan, "", seconds)
 
     def _compare(self, topic: str, subject: str, time: float, golden: Any, new: Any) -> None:
         if topic == "/log":
