@@ -103,17 +103,31 @@ def _add_pairs(block: _Block, gathered: Gathered, bodies: list[str], origin: Flo
 
 def _add_curves(block: _Block, curves: list[Curve], start: float) -> None:
     """Add the pairs' points and spans one after another, and where each pair's begin; times from the start on, s."""
-    for name, all_points in (("measured", [c.measured for c in curves]), ("bound", [c.bounds for c in curves])):
-        points = _joined(all_points, 2)
-        block.add(f"{name}From", _begins(all_points), "<u4")
-        block.add(f"{name}Time", points[:, 0] - start, "<f4")
-        block.add(f"{name}Distance", below(points[:, 1]) if name == "bound" else points[:, 1], "<f4")
+    lines = [_line(curve) for curve in curves]
+    points = _joined(lines, 3)
+    block.add("pointFrom", _begins(lines), "<u4")
+    block.add("pointTime", points[:, 0] - start, "<f4")
+    block.add("pointDistance", below(points[:, 1]), "<f4")
+    block.add("pointMeasured", points[:, 2], "<u1")
     all_spans = [_without_ends(curve.spans) for curve in curves]
     spans = _joined(all_spans, 3)
     block.add("spanFrom", _begins(all_spans), "<u4")
     block.add("spanStart", spans[:, 0], "<f8")
     block.add("spanVerdict", spans[:, 1], "<u1")
     block.add("spanClearance", below(spans[:, 2]), "<f4")
+
+
+def _line(curve: Curve) -> FloatArray:
+    """Return rows (n, 3) of s, m, and whether it was measured: what is known of a pair's distance at instants.
+
+    Of bounds only those are left that lie above the line through the measured points: there, that line is wrong.
+    """
+    measured, bounds = curve.measured, curve.bounds
+    if len(measured):
+        bounds = bounds[bounds[:, 1] > np.interp(bounds[:, 0], measured[:, 0], measured[:, 1])]
+    rows = np.concatenate((np.insert(measured, 2, 1.0, axis=1), np.insert(bounds, 2, 0.0, axis=1)))
+    line: FloatArray = rows[np.argsort(rows[:, 0], kind="stable")]
+    return line
 
 
 def _without_ends(spans: FloatArray) -> FloatArray:

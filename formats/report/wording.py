@@ -172,7 +172,8 @@ def _unlisted(found: Found) -> str:
         return ""
     if found.loss is not None:
         return f"Of {counted(unlisted, 'pair')} nothing could be read."
-    return f"{counted(unlisted, 'pair')} stayed clear by boxes that never meet: how near they come is not told."
+    cleared = f"{counted(unlisted, 'pair')} stayed clear by boxes that never meet"
+    return f"{cleared}: how near they come is not told, so one may come closer."
 
 
 def _intervals(spans: Sequence[Sequence[float]]) -> str:

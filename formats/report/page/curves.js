@@ -8,17 +8,20 @@ const ASINH = 4;
 // Returns the columns of a chart: times; measured distances; certified clearances, in steps; bounds at instants.
 function chartData(pairs, pair) {
   const { arrays, data } = pairs;
-  const slice = (name) => {
-    const [from, to] = [arrays[`${name}From`][pair], arrays[`${name}From`][pair + 1]];
-    const times = Array.from(arrays[`${name}Time`].subarray(from, to), (time) => data.start + time);
-    return [times, Array.from(arrays[`${name}Distance`].subarray(from, to))];
-  };
+  const { time, distance, measured, from: first, to: last } = pairs.points(pair);
+  const lines = [[], [], [], []]; // times; measured, with gaps at bounds; times of bounds; bounds
+  for (let point = first; point < last; point++) {
+    lines[0].push(data.start + time[point]);
+    lines[1].push(measured[point] ? distance[point] : null);
+    if (measured[point]) continue;
+    lines[2].push(data.start + time[point]);
+    lines[3].push(distance[point]);
+  }
   const [from, to] = [arrays.spanFrom[pair], arrays.spanFrom[pair + 1]];
   const starts = Array.from(arrays.spanStart.subarray(from, to));
   const clearances = Array.from(arrays.spanClearance.subarray(from, to));
   if (clearances.length > 1) clearances[clearances.length - 1] = clearances[clearances.length - 2];
-  const tables = [slice("measured"), [starts, clearances], slice("bound")].map(distinct);
-  return uPlot.join(tables);
+  return uPlot.join([lines.slice(0, 2), [starts, clearances], lines.slice(2)].map(distinct));
 }
 
 // Returns which ticks of a spread-out axis get a label and a line: 0 and powers of ten.
@@ -32,7 +35,7 @@ function distinct([times, values]) {
   const kept = [[], []];
   for (let row = 0; row < times.length; row++) {
     const last = kept[0].length - 1;
-    if (last >= 0 && times[row] <= kept[0][last]) kept[1][last] = Math.min(kept[1][last], values[row]);
+    if (last >= 0 && times[row] <= kept[0][last]) kept[1][last] = values[row] === null ? kept[1][last] : Math.min(kept[1][last] ?? Infinity, values[row]);
     else {
       kept[0].push(times[row]);
       kept[1].push(values[row]);
@@ -72,7 +75,7 @@ class Chart {
     const { start, end, near } = this.pairs.data;
     const axis = { stroke: palette.faint, grid: { stroke: palette.line, width: 1 }, ticks: { stroke: palette.line } };
     const proved = { label: "proved", stroke: palette.near, width: 1, fill: this.fill(), paths: uPlot.paths.stepped({ align: 1 }), spanGaps: true, points: { show: false } };
-    const measured = { label: "measured", stroke: palette.ink, width: 1.5, spanGaps: true, points: { show: true, size: 4, filter: (plot, series, show, gaps) => this.few(plot, series) } };
+    const measured = { label: "measured", stroke: palette.ink, width: 1.5, points: { show: true, size: 4, filter: (plot, series, show, gaps) => this.few(plot, series) } };
     const bound = { label: "at least", stroke: palette.near, width: 0, paths: () => null, points: { show: true, size: 4, fill: palette.page, stroke: palette.near } };
     return {
       width: this.figure.clientWidth,

@@ -48,12 +48,17 @@ class Pairs {
     };
   }
 
-  // Returns the points of a pair that say how near it is: measured ones, or where there are none, bounds.
+  // Returns the points of a pair that say how far apart it is at instants: measured, or bounds.
   points(pair) {
-    const { measuredFrom, measuredTime, measuredDistance, boundFrom, boundTime, boundDistance } = this.arrays;
-    const [from, to] = [measuredFrom[pair], measuredFrom[pair + 1]];
-    if (to > from) return { time: measuredTime, distance: measuredDistance, from, to, measured: true };
-    return { time: boundTime, distance: boundDistance, from: boundFrom[pair], to: boundFrom[pair + 1], measured: false };
+    const { pointFrom, pointTime, pointDistance, pointMeasured } = this.arrays;
+    return { time: pointTime, distance: pointDistance, measured: pointMeasured, from: pointFrom[pair], to: pointFrom[pair + 1] };
+  }
+
+  // Tells whether the points around a time, s, were both measured.
+  isMeasured(pair, time) {
+    const { time: times, measured, from, to } = this.points(pair);
+    const before = lastAtMost(times, time - this.data.start, from, to);
+    return measured[Math.max(before, from)] === 1 && measured[Math.min(before + 1, to - 1)] === 1;
   }
 
   // Returns about how far apart a pair is at a time, s: between points on a line; NaN if nothing is known.
@@ -152,8 +157,8 @@ class Pairs {
     const span = `${CLASSES[kind]} from ${timeText(from)} to ${timeText(to)}`;
     const proved = clearance > 0 ? `, proved no nearer than ${lengthText(clearance, Math.floor)} throughout` : "";
     const distance = this.distanceAt(pair, time);
-    const { measured } = this.points(pair);
-    const now = Number.isNaN(distance) ? "" : `; now ${measured ? "about" : "above about"} ${lengthText(distance)}`;
+    const about = this.isMeasured(pair, time) ? "about" : "above about";
+    const now = Number.isNaN(distance) ? "" : `; now ${about} ${lengthText(distance)}`;
     return span + proved + now;
   }
 }

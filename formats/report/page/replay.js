@@ -141,7 +141,7 @@ class Replay {
   list(near) {
     const rows = near.map(({ pair, kind, distance }) => {
       const row = document.createElement("li");
-      const texts = [this.pairs.name(pair), CLASSES[kind], kind === CLASS.contact || Number.isNaN(distance) ? "" : `about ${lengthText(distance)}`];
+      const texts = [this.pairs.name(pair), CLASSES[kind], this.about(pair, kind, distance)];
       row.append(...texts.map((text) => Object.assign(document.createElement("span"), { textContent: text })));
       row.children[1].className = "badge";
       row.children[1].dataset.class = CLASSES[kind];
@@ -149,6 +149,11 @@ class Replay {
       return row;
     });
     document.getElementById("now").replaceChildren(...rows);
+  }
+
+  about(pair, kind, distance) {
+    if (kind === CLASS.contact || Number.isNaN(distance)) return "";
+    return `${this.pairs.isMeasured(pair, this.moment.time) ? "about" : "above"} ${lengthText(distance)}`;
   }
 
   // Draws the lines between witness points that the log has, moved between two ticks.
