@@ -103,13 +103,13 @@ class Identity:
 
 
 def read_identity(values: Mapping[str, str]) -> Identity:
-    """Read back what `identity` returned.
+    """Read back what `identity` returned, the newer values only where they are there.
 
     Raises:
         ValueError, TypeError, LookupError: where something is missing or no longer what was written.
     """
-    margins: list[tuple[Any, Any, Any]] = json.loads(values["margins"])
-    exists: dict[str, tuple[Any, Any]] = json.loads(values["exists"])
+    margins: list[tuple[Any, Any, Any]] = json.loads(values.get("margins", "[]"))
+    exists: dict[str, tuple[Any, Any]] = json.loads(values.get("exists", "{}"))
     start, end = float(values["start"]), float(values["end"])
     settings: dict[str, float | None] = {
         str(key): None if value is None else float(value) for key, value in json.loads(values["settings"]).items()
@@ -124,9 +124,9 @@ def read_identity(values: Mapping[str, str]) -> Identity:
         epoch=int(values["epoch"]),
         bodies=int(values["count/bodies"]),
         pairs_total=int(values["count/pairs"]),
-        pairs_ignored=int(values["count/ignored"]),
+        pairs_ignored=int(values.get("count/ignored", "0")),
         settings=settings,
-        chord_errors={str(body): float(error) for body, error in json.loads(values["chord_errors"]).items()},
+        chord_errors={str(body): float(error) for body, error in json.loads(values.get("chord_errors", "{}")).items()},
         exists={str(body): (float(low), float(high)) for body, (low, high) in exists.items()},
         margins=tuple((frozenset(one), frozenset(other), float(margin)) for one, other, margin in margins),
     )
