@@ -281,6 +281,17 @@ def test_a_cut_log_is_compared_in_the_time_that_is_left(golden, tmp_path):
     assert [one.cause.label for one in found.differences] == ["contact begin moved"]
 
 
+def test_a_reviewer_is_told_what_is_no_difference(golden, tmp_path):
+    run_scene(write_scene(tmp_path, SCENE.replace("rail", "guide")), tmp_path / "new.mcap", "--time-resolution", "0.01")
+    rules = Rules(ignored=Ignored(("arm|rial", "arm|wall")), within_brackets=True)
+    notes = compare(golden, tmp_path / "new.mcap", rules).notes
+    assert notes == (
+        "no pair is arm|rial, which is ignored",
+        "setting time_resolution: 0.001 -> 0.01",
+        "body rail is gone and guide is new: renamed?",
+    )
+
+
 def test_the_first_in_time_and_the_largest_of_each_cause_are_named(golden, tmp_path):
     found = compared(golden, Case(put("[200, 0, 0]", "[220, 20, 0]"), {}), tmp_path)
     assert found.first is not None

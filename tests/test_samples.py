@@ -12,6 +12,7 @@ import pytest
 import yaml
 from sample_runs import FOLDER, NAMES, Sample, sample_of
 
+from closecall.formats.log.found import fold, read_summary
 from oracle.check import check_log
 from oracle.meshes import read_triangles, topology
 from oracle.sampling import Effort
@@ -23,6 +24,16 @@ LARGEST_MESHES = 300_000
 @pytest.fixture(params=NAMES)
 def sample(request: pytest.FixtureRequest) -> Sample:
     return sample_of(request.param)
+
+
+def test_a_samples_facts_fold_into_the_summary_that_its_log_carries(sample: Sample) -> None:
+    found = fold(sample.logs[0])
+    carried = read_summary(sample.logs[0])
+    assert (found.loss, found.lost) == (None, {})
+    for pair, again in zip(carried["pairs"], found.summary["pairs"], strict=True):
+        time, told = pair["distance"].pop("time"), again["distance"].pop("time")  # type: ignore[misc]
+        assert told == (None if time is None else pytest.approx(time, rel=1e-15, abs=1e-9)), "to the nanosecond"
+    assert found.summary == carried
 
 
 def test_there_are_a_dozen_samples() -> None:

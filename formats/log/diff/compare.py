@@ -34,6 +34,6 @@ def compare(golden: Path, new: Path, rules: Rules, every_topic: bool = False) ->
     return Comparison(
         differences=tuple(found),
         pairs=tuple(name for name in names.values() if not rules.ignored.pair(name)),
-        notes=tuple(notes(before, after)),
+        notes=tuple(notes(before, after, rules.ignored)),
         losses=tuple(loss for loss in (before.loss, after.loss) if loss is not None),
     )
