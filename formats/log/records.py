@@ -134,7 +134,7 @@ class RecordFile:
         """
         told = DataEnd.read(read_stream(self.body(data_end))).data_section_crc
         if told not in (0, crc):
-            raise DamageError(0, "the checksum of the whole does not match: attachments or settings may be wrong")
+            raise DamageError(0, "the checksum of the whole does not match: not the facts, but an index or a file")
         self.require_index(data_end.end)
 
     def require_index(self, begins: int | None = None) -> None:
