@@ -73,9 +73,14 @@ def test_attachments_come_back_byte_for_byte(log, scene):
 
 def test_unfinished_log_is_called_unfinished(tmp_path, scene):
     writer = LogWriter(tmp_path / "out.mcap", scene, Settings(), 1, LogOptions())
-    with pytest.raises(ZeroDivisionError), writer:
-        writer.write(Wakeup(0.0, PairKey(0, 0, 1), Reason.START, Level.MESH, Bound.LECTURE, 1.0, 0.1))
-        raise ZeroDivisionError
+
+    def failing_run() -> None:
+        with writer:
+            writer.write(Wakeup(0.0, PairKey(0, 0, 1), Reason.START, Level.MESH, Bound.LECTURE, 1.0, 0.1))
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        failing_run()
     assert ": is unfinished: " in refusal(writer.partial)
     assert "mcap recover" in refusal(writer.partial)
 
