@@ -19,6 +19,8 @@ HOSTILE = (
     "$data ${title} &lt;b&gt;",
 )
 
+WARNING = "mesh <b>plate</b> is open"
+
 
 def hostile_log(path: Path) -> None:
     """Write a log of bodies whose names no scene allows: a log may be forged."""
@@ -26,7 +28,7 @@ def hostile_log(path: Path) -> None:
     bodies = tuple(Body(name, None, np.eye(4), still, ()) for name in HOSTILE)
     source = path.with_suffix(".yaml")
     source.write_bytes(b"closecall: 1\n")
-    loaded = LoadedScene(source, source.read_bytes(), Scene(bodies, 0.0, 1.0, PairRules()), Settings(), (), ())
+    loaded = LoadedScene(source, source.read_bytes(), Scene(bodies, 0.0, 1.0, PairRules()), Settings(), (), (WARNING,))
     with LogWriter(path, loaded, Settings(), 3, LogOptions()) as log:
         for pair in (PairKey(0, 0, 1), PairKey(1, 0, 2), PairKey(2, 1, 2)):
             log.write(Wakeup(0.0, pair, Reason.START, Level.SPHERE, Bound.LECTURE, 2.0, 1.0))

@@ -20,7 +20,7 @@ import pytest
 from cli_process import SPHERES, closecall
 from hypothesis import given
 from hypothesis import strategies as st
-from report_pages import HOSTILE, hostile_log, made_up
+from report_pages import HOSTILE, WARNING, hostile_log, made_up
 
 from closecall.formats.log.found import Found
 from closecall.formats.report.gathering import gather
@@ -110,7 +110,7 @@ def test_hostile_names_are_text(tmp_path: Path, text: str) -> None:
     for tag in ("script", "img", "b"):
         assert hostile.count(tag) == plain.count(tag)
     assert not any(name.startswith("on") for _, attributes in hostile.elements for name in attributes)
-    for name in (*HOSTILE, "<b>log.mcap"):
+    for name in (*HOSTILE, WARNING, "<b>log.mcap"):
         assert name in hostile.text
 
 
@@ -175,8 +175,8 @@ def test_balls_that_touch_are_told_with_when(text: str) -> None:
     reach = (0.75**2 - 0.3**2) ** 0.5
     told = Parsed(text).text
     assert "1 of 1 pair touches." in told
-    begin = re.search(r"from ([\d.]+) s on \(begin proved within ([\d.]+) to ([\d.]+) s\)", told)
-    end = re.search(r"until ([\d.]+) s \(end proved within ([\d.]+) to ([\d.]+) s\)", told)
+    begin = re.search(r"left \| right at ([\d.]+) s, begin proved within ([\d.]+) to ([\d.]+) s, until", told)
+    end = re.search(r"until ([\d.]+) s, end proved within ([\d.]+) to ([\d.]+) s", told)
     assert begin
     assert end
     for found, exact in ((begin, (4.0 - reach) / 2.0), (end, (4.0 + reach) / 2.0)):
@@ -227,7 +227,7 @@ def test_of_several_verdicts_each_is_told_as_what_it_is() -> None:
     ]
     summary = summary_of(*pairs)
     assert headline(summary) == "1 of 3 pairs comes nearer than the margin."
-    told = plain(" ".join(sentences(Found(summary))))
+    told = plain(" ".join(sentences(Found(summary), {})))
     assert "1 not resolved" in told
     assert "Closest: a | c, 500 mm at 3 s (its least distance is not proved to be above 0)." in told
     assert proof(pairs[1], []).startswith("Not proved: contact is neither found nor excluded in 2.9 to 3.1 s")
@@ -236,18 +236,18 @@ def test_of_several_verdicts_each_is_told_as_what_it_is() -> None:
 
 def test_a_pair_that_may_come_nearer_than_the_closest_is_told() -> None:
     pairs = [made_up("a", "b", "clear", 0.9, 1.0, 2.0), made_up("a", "c", "clear", 0.25, None, None)]
-    told = plain(" ".join(sentences(Found(summary_of(*pairs)))))
+    told = plain(" ".join(sentences(Found(summary_of(*pairs)), {})))
     assert "Closest: a | b, 1 m at 2 s (proved to lie between 900 mm and 1 m)." in told
     assert "As near or nearer may come 1 other pair, such as a | c, proved to stay 250 mm apart." in told
     pairs[1]["distance"]["lower"] = 1.5
-    assert "nearer may come" not in plain(" ".join(sentences(Found(summary_of(*pairs)))))
+    assert "nearer may come" not in plain(" ".join(sentences(Found(summary_of(*pairs)), {})))
 
 
 def test_pairs_that_boxes_cleared_are_counted_and_no_distance_is_claimed() -> None:
     summary = summary_of(made_up("a", "b", "clear", 0.9, 1.0, 2.0), total=5)
     assert headline(summary).startswith("All 5 pairs stay clear, which is proved for every instant")
     told = "4 pairs stayed clear by boxes that never meet: how near they come is not told, so one may come closer."
-    assert told in sentences(Found(summary))
+    assert told in sentences(Found(summary), {})
 
 
 def summary_of(*pairs: Any, total: int | None = None) -> Any:

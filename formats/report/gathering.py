@@ -9,6 +9,8 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
+from foxglove_schemas_protobuf.Log_pb2 import Log
+
 from ..log import messages_pb2 as pb
 from ..log.found import Found, read_found
 from ..log.identity import Identity
@@ -30,7 +32,11 @@ _TOPICS = (
     "/scene/meshes",
     "/scene/boxes",
     "/viz/clearance",
+    "/log",
 )
+
+# Warnings in a page.
+_MOST_WARNINGS = 20
 
 _Point = tuple[float, float, float]
 
@@ -68,6 +74,7 @@ class Gathered:
         touches: by pair, the begins of its contacts.
         awakening: of all pairs.
         messages: how many were read, by topic.
+        warnings: of the run.
         replay: the bodies and how they move; None where the log shows none.
     """
 
@@ -82,6 +89,7 @@ class Gathered:
     touches: Mapping[int, list[Touch]]
     awakening: Awakening
     messages: Counter[str]
+    warnings: list[str]
     replay: Replay | None
 
 
@@ -113,6 +121,7 @@ def gather(path: Path) -> Gathered:
             touches=gathering.touches,
             awakening=gathering.awakening,
             messages=gathering.messages,
+            warnings=gathering.warnings,
             replay=gathering.replay.finish(),
         )
 
@@ -127,6 +136,7 @@ class _Gathering:
         self.touches: dict[int, list[Touch]] = {}
         self.awakening = Awakening()
         self.messages: Counter[str] = Counter()
+        self.warnings: list[str] = []
         index = {pair["pair"]: row for row, pair in enumerate(pairs)}
         self.replay = ReplayBuilder(index, identity.end)
         self._index = index
@@ -145,6 +155,9 @@ class _Gathering:
                 self._add_span(message)
             case pb.Collision():
                 self._add_collision(message)
+            case Log():
+                if message.level == Log.WARNING and len(self.warnings) < _MOST_WARNINGS:
+                    self.warnings.append(message.message)
             case _:
                 self.replay.add(topic, message, time)
 

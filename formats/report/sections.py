@@ -10,7 +10,7 @@ from ..log.summary import PairSummary
 from ..scene.errors import counted
 from .gathering import MOST_PAIRS, Gathered
 from .quantities import interval, length, moment
-from .wording import headline, is_proved, nearest, pair_name, proof, sentences, until_the_end, when
+from .wording import headline, is_proved, jump, nearest, pair_name, proof, sentences, until_the_end, when
 
 # Rows of tables.
 _MOST_WORST = 6
@@ -50,7 +50,8 @@ VERDICTS = {
 
 def verdict(gathered: Gathered) -> str:
     """Return the headline, what follows it, and what is lost."""
-    told = "".join(f"<p>{sentence}</p>" for sentence in sentences(gathered.found))
+    places = {pair["pair"]: place for place, pair in enumerate(gathered.pairs)}
+    told = "".join(f"<p>{sentence}</p>" for sentence in sentences(gathered.found, places))
     return f"{_banner(gathered)}<h1>{escape(headline(gathered.found.summary))}</h1>{told}"
 
 
@@ -88,7 +89,7 @@ def contacts(gathered: Gathered) -> str:
         keys = "; ".join(f"{body}: {' → '.join(filter(None, around))}" for body, around in contact["keys"].items())
         cells = (
             pair_name(pair),
-            _jump(index, touching),
+            jump(index, touching),
             begin,
             until_the_end(pair["pair"] in gathered.found.lost) if end is None else interval(*end),
             "" if end is None else moment(end[0] - touching),
@@ -140,6 +141,8 @@ def provenance(gathered: Gathered) -> str:
     for key, value in summary["settings"].items():
         unit = f" {units[key]}" if key in units else ""
         facts[key] = "none" if value is None else f"{value!r}{unit}"
+    if gathered.warnings:
+        facts["Warnings"] = "; ".join(gathered.warnings)
     terms = "".join(f"<dt>{escape(key)}</dt><dd><bdi>{escape(value)}</bdi></dd>" for key, value in facts.items())
     return f"<dl>{terms}</dl>"
 
@@ -179,18 +182,13 @@ def _worst_row(index: int, pair: PairSummary, lost: Stretches) -> Sequence[str]:
         pair_name(pair),
         _badge(pair["verdict"]),
         nearest(pair),
-        "" if time is None else _jump(index, time),
+        "" if time is None else jump(index, time),
         f'<span class="proved" data-sure="{sure}">{proof(pair, lost)}{round_off}.</span>',
     )
 
 
 def _badge(verdict: str) -> str:
     return f'<span class="badge" data-class="{verdict}">{verdict}</span>'
-
-
-def _jump(index: int, time: float) -> str:
-    """Return a button that shows a pair at a time, s."""
-    return f'<button type="button" class="jump" data-pair="{index}" data-time="{time!r}">{moment(time)}</button>'
 
 
 def _sleeps(gathered: Gathered) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 
 from ..log.found import Found, Stretches
@@ -39,15 +39,28 @@ def headline(summary: Summary) -> str:
     return f"{stay} clear, which is proved for every instant from {moment(start)} to {moment(end)}."
 
 
-def sentences(found: Found) -> list[str]:
-    """Return, as HTML, what comes after the headline: the first contact, the closest of the others, what is open."""
+def jump(place: int | None, time: float) -> str:
+    """Return a time, s, as a button that shows the pair in that place of the page then; of a pair without, as text."""
+    if place is None:
+        return moment(time)
+    return f'<button type="button" class="jump" data-pair="{place}" data-time="{time!r}">{moment(time)}</button>'
+
+
+def sentences(found: Found, places: Mapping[str, int]) -> list[str]:
+    """Return, as HTML, what comes after the headline: the first contact, the closest of the others, what is open.
+
+    Args:
+        found: by the log.
+        places: of the pairs in the page, by name.
+    """
     summary = found.summary
     told = [_counts(summary)]
     touching = [pair for pair in summary["pairs"] if pair["contacts"]]
     if touching:
         first = min(touching, key=lambda pair: pair["contacts"][0]["begin"][1])
-        told.append(f"First contact: {pair_name(first)}, {contact(first, first['pair'] in found.lost)}.")
-    told += [_closest(found, bool(touching)), _unlisted(found)]
+        begins = jump(places.get(first["pair"]), first["contacts"][0]["begin"][1])
+        told.append(f"First contact: {pair_name(first)} at {begins}, {contact(first, first['pair'] in found.lost)}.")
+    told += [_closest(found, bool(touching), places), _unlisted(found)]
     return [sentence for sentence in told if sentence]
 
 
@@ -117,14 +130,11 @@ def contact(pair: PairSummary, lost: bool) -> str:
     """Return a pair's first contact, with the brackets that hold its begin and its end, which may be lost."""
     first, more = pair["contacts"][0], len(pair["contacts"]) - 1
     clear, touching = first["begin"]
-    if clear == touching:
-        told = f"from the start, {moment(touching)}"
-    else:
-        told = f"from {moment(touching)} on (begin proved within {interval(clear, touching)})"
+    told = "from the start" if clear == touching else f"begin proved within {interval(clear, touching)}"
     if first["end"] is None:
         told += f", {until_the_end(lost)}"
     else:
-        told += f", until {moment(first['end'][0])} (end proved within {interval(*first['end'])})"
+        told += f", until {moment(first['end'][0])}, end proved within {interval(*first['end'])}"
     return told + (f", and {counted(more, 'more contact')}" if more else "")
 
 
@@ -133,7 +143,7 @@ def until_the_end(lost: bool) -> str:
     return "its end is not known" if lost else "to the end"
 
 
-def _closest(found: Found, others: bool) -> str:
+def _closest(found: Found, others: bool, places: Mapping[str, int]) -> str:
     """Return the pair that comes closest without touching, and whether that is proved."""
     summary = found.summary
     apart = [pair for pair in summary["pairs"] if pair["verdict"] != "contact"]
@@ -151,7 +161,7 @@ def _closest(found: Found, others: bool) -> str:
     upper, time = distance["upper"] or 0.0, distance["time"] or 0.0
     between = f"proved to lie between {at_least(distance['lower'])} and {at_most(upper)}"
     certain = between if distance["lower"] > 0.0 else "its least distance is not proved to be above 0"
-    sentence = f"{title}: {pair_name(best)}, {at_most(upper)} at {moment(time)} ({certain})."
+    sentence = f"{title}: {pair_name(best)}, {at_most(upper)} at {jump(places.get(best['pair']), time)} ({certain})."
     rivals = [pair for pair in apart if pair is not best and pair["distance"]["lower"] < upper]
     return sentence + _rivals(rivals)
 

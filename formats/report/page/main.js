@@ -113,6 +113,8 @@ function startReplay(pairs, moment) {
     for (const id of ["scene", "whole"]) document.getElementById(id).hidden = true;
     return null;
   }
+  const { coarser } = pairs.data.replay;
+  if (coarser) document.getElementById("coarser").textContent = ` Of the surfaces, ${coarser} are drawn coarser than the log has them.`;
   try {
     return new Replay(pairs, moment);
   } catch (fault) {
