@@ -8,8 +8,12 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
+
+if TYPE_CHECKING:
+    from ..formats.log.diff.findings import Rules
 
 _UPDATE = "--closecall-update"
 
@@ -28,7 +32,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 @pytest.fixture
 def closecall_golden(request: pytest.FixtureRequest, tmp_path: Path) -> Golden:
     """Run scenes and compare their logs with the golden ones beside the test, `<test file>/<test>.mcap`."""
-    return Golden(request.path, request.node.name, tmp_path, bool(request.config.getoption(_UPDATE)))
+    test = request.node.nodeid.partition("::")[2].replace("::", "-")
+    return Golden(request.path, test, tmp_path, bool(request.config.getoption(_UPDATE)))
 
 
 class Golden:
@@ -36,7 +41,7 @@ class Golden:
 
     Args:
         test_file: the test's file: scenes are relative to its folder, goldens lie in a folder of its name.
-        test: the test's name, with its parameters.
+        test: the test's name, with those of its classes and its parameters.
         scratch: where new logs go.
         update: whether to write goldens instead of failing.
     """
@@ -101,14 +106,12 @@ class Golden:
             pytest.fail(str(fault), pytrace=False)
         return log
 
-    def _problem(self, golden: Path, new: Path, rules: object) -> str:
+    def _problem(self, golden: Path, new: Path, rules: Rules) -> str:
         """Return what is wrong with the new log, by the golden one; nothing where it says the same."""
         from ..formats.log.diff.compare import compare
-        from ..formats.log.diff.findings import Rules
         from ..formats.log.diff.wording import sentence
         from ..formats.log.errors import LogError
 
-        assert isinstance(rules, Rules)
         if not golden.exists():
             return f"there is no golden log {golden}"
         try:

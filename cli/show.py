@@ -14,6 +14,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from ..formats.log.clock import seconds_told
 from ..formats.log.diff.wording import between
 from ..formats.log.ranking import VERDICTS, badness, nearness
 from ..formats.log.summary import PairSummary, Summary
@@ -93,7 +94,9 @@ def print_summary(
     start, end = summary["time"]
     ignored = f"; {summary['pairs_ignored']} ignored by the scene" if summary.get("pairs_ignored") else ""
     pairs_told = counted(summary["pairs_total"], "pair")
-    console.print(f"{pairs_told} over [{_seconds(start)}, {_seconds(end)}] s: {found or 'nothing to check'}{ignored}")
+    console.print(
+        f"{pairs_told} over [{seconds_told(start)}, {seconds_told(end)}] s: {found or 'nothing to check'}{ignored}"
+    )
 
 
 def _earliness(pair: PairSummary) -> float:
@@ -121,19 +124,12 @@ def _distance(pair: PairSummary) -> str:
         return f"above {_at_least(lower)} m" if lower > 0.0 else "unknown"
     if upper == 0.0:
         return "0"
-    return f"{_at_least(lower)} .. {upper:.6g} m at {_seconds(time)} s"
+    return f"{_at_least(lower)} .. {upper:.6g} m at {seconds_told(time)} s"
 
 
 def _at_least(lower: float) -> str:
     """Return a lower bound in four digits, rounded down."""
     return f"{float(Context(prec=4, rounding=ROUND_FLOOR).create_decimal(repr(lower))):.4g}"
-
-
-def _seconds(time: float, digits: int = 6) -> str:
-    """Return a time in so many digits, or in whole microseconds where they are more."""
-    if abs(time) >= 1e5:
-        digits = len(str(int(abs(time)))) + 6
-    return f"{time:.{digits}g}"
 
 
 def _contacts(pair: PairSummary) -> str:
@@ -142,10 +138,10 @@ def _contacts(pair: PairSummary) -> str:
     if not contacts:
         return _spans(pair)
     first = contacts[0]
-    end = "the end" if first["end"] is None else f"{_seconds(first['end'][0], 7)} s"
+    end = "the end" if first["end"] is None else f"{seconds_told(first['end'][0], 7)} s"
     keys = ", ".join(f"{body} {between(*around)}" for body, around in first["keys"].items())
     more = f" and {len(contacts) - 1} more" if len(contacts) > 1 else ""
-    return f"{_seconds(first['begin'][1], 7)}{f' ({keys})' if keys else ''} .. {end}{more}"
+    return f"{seconds_told(first['begin'][1], 7)}{f' ({keys})' if keys else ''} .. {end}{more}"
 
 
 def _spans(pair: PairSummary) -> str:
@@ -153,5 +149,5 @@ def _spans(pair: PairSummary) -> str:
     kinds = {"breach": pair.get("breaches"), "unresolved": pair.get("unresolved"), "possible": pair.get("possible")}
     for kind, spans in kinds.items():
         if spans:
-            return f"{kind} " + ", ".join(f"{_seconds(a)}..{_seconds(b)} s" for a, b in spans[:2])
+            return f"{kind} " + ", ".join(f"{seconds_told(a)}..{seconds_told(b)} s" for a, b in spans[:2])
     return ""

@@ -20,9 +20,10 @@ import pytest
 def test_cell(closecall_golden):
     closecall_golden.check("scene.yaml")
 
-@pytest.mark.parametrize("margin", ["0.001"])
-def test_margins(closecall_golden, margin):
-    closecall_golden.check("scene.yaml", "--margin", margin, ignore=["rail"], time_tol=0.01)
+class TestMargins:
+    @pytest.mark.parametrize("margin", ["0.001"])
+    def test_cell(self, closecall_golden, margin):
+        closecall_golden.check("scene.yaml", "--margin", margin, ignore=["rail"], time_tol=0.01)
 """
 
 
@@ -58,7 +59,7 @@ def test_goldens_are_written_when_asked_for_then_compared_and_updated_where_they
 
     assert run_pytest(pytester, "--closecall-update").returncode == 0
     goldens = {path.name: path.read_bytes() for path in (project / "test_scenes").iterdir()}
-    assert sorted(goldens) == ["test_cell.mcap", "test_margins_0.001.mcap"]
+    assert sorted(goldens) == ["TestMargins-test_cell_0.001.mcap", "test_cell.mcap"]
     assert run_pytest(pytester).returncode == 0
 
     write_scene(project, SCENE.replace("t: 1,", "t: 1.0032,"))

@@ -1,4 +1,4 @@
-"""Scene seconds become log nanoseconds, here and nowhere else."""
+"""Scene seconds become log nanoseconds, or words, here and nowhere else."""
 
 from __future__ import annotations
 
@@ -18,3 +18,10 @@ def nanoseconds(seconds: float) -> int:
     if 2 * rest > denominator or (2 * rest == denominator and whole % 2):
         return whole + 1
     return whole
+
+
+def seconds_told(time: float, digits: int = 6) -> str:
+    """Return a time, s, in so many digits, or in whole microseconds where they are more."""
+    if abs(time) >= 1e5:
+        digits = len(str(int(abs(time)))) + 6
+    return f"{time:.{digits}g}"

@@ -21,6 +21,7 @@ from mcap.writer import MCAP0_MAGIC
 from ..scene.errors import counted
 from . import messages_pb2 as pb
 from .attachments import NAME_A_LOG, opened, read_index
+from .clock import seconds_told
 from .contents import METADATA, METADATA_AT_START
 from .errors import DamagedLogError, LogError
 from .identity import Identity, read_identity
@@ -79,7 +80,7 @@ class Loss:
     def __str__(self) -> str:
         what = "unfinished" if self.cut else "damaged"
         more = f" (and {counted(self.places - 1, 'more place')})" if self.places > 1 else ""
-        rest = "the rest was read" if self.read_to is None else f"read up to {self.read_to:.7g} s"
+        rest = "the rest was read" if self.read_to is None else f"read up to {seconds_told(self.read_to, 7)} s"
         return f"{self.path}: {what} at byte {self.offset}: {self.problem}{more}; {rest}"
 
 

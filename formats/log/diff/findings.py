@@ -8,6 +8,7 @@ from math import inf, nan
 from pathlib import Path
 
 from ..choice import is_pair_among
+from ..clock import seconds_told
 from ..errors import LogError
 from ..found import Found
 from ..summary import Contact, PairSummary
@@ -40,7 +41,10 @@ def require_comparable(golden: Found, new: Found, new_path: Path, rules: Rules) 
     (start, end), (new_start, new_end) = golden.summary["time"], new.summary["time"]
     times = rules.tolerances.times
     if abs(new_start - start) > times(start) or abs(new_end - end) > times(end):
-        problem = f"covers [{new_start:.7g}, {new_end:.7g}] s, and the golden log [{start:.7g}, {end:.7g}] s"
+        covered, whole = (
+            f"[{seconds_told(low, 7)}, {seconds_told(high, 7)}] s" for low, high in ((new_start, new_end), (start, end))
+        )
+        problem = f"covers {covered}, and the golden log {whole}"
         raise LogError(new_path, f"cannot be compared: it {problem}", "compare runs of one time")
     before, after = _by_bodies(golden), _by_bodies(new)
     lossy = golden.loss is not None or new.loss is not None
@@ -158,7 +162,7 @@ class _PairDiff:
 
     def _contact(self, cause: Cause, contact: Contact) -> Difference:
         start, end = self._touching(contact)
-        text = f"{start:.7g} .. {'the end' if contact['end'] is None else f'{end:.7g} s'}"
+        text = f"{seconds_told(start, 7)} .. {'the end' if contact['end'] is None else f'{seconds_told(end, 7)} s'}"
         golden, new = (text, None) if cause is Cause.CONTACT_VANISHED else (None, text)
         return Difference(cause, self._pair["pair"], golden, new, end - start, "s", start, keys=contact["keys"])
 
@@ -198,7 +202,7 @@ class _PairDiff:
         for i, j in aligned([(low, high) for low, high in old], [(low, high) for low, high in now]):
             if i is None or j is None:
                 low, high = now[j] if j is not None else old[i or 0]
-                text = f"{low:.7g} .. {high:.7g} s"
+                text = f"{seconds_told(low, 7)} .. {seconds_told(high, 7)} s"
                 if j is None:
                     yield Difference(Cause.BREACH_VANISHED, pair, text, None, high - low, "s", low)
                 else:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import isnan
 
 from ...scene.errors import counted
+from ..clock import seconds_told
 from .difference import Cause, Difference, Value
 
 _SCALES = {
@@ -53,7 +54,7 @@ def told(difference: Difference) -> str:
 def place(difference: Difference) -> str:
     """Return when a difference shows, and the named keys that the bodies are between then."""
     keys = ", ".join(f"{body} {between(*around)}" for body, around in difference.keys.items())
-    at = "" if difference.time is None else f"{difference.time:.7g} s"
+    at = "" if difference.time is None else f"{seconds_told(difference.time, 7)} s"
     return f"{at} ({keys})" if keys else at
 
 
@@ -79,4 +80,6 @@ def _arrow(one: Difference) -> str:
 def _value(value: Value, unit: str) -> str:
     if value is None:
         return "the end" if unit == "s" else "none"
-    return f"{value:.7g} {unit}".rstrip() if isinstance(value, float) else str(value)
+    if not isinstance(value, float):
+        return str(value)
+    return f"{seconds_told(value, 7) if unit == 's' else f'{value:.7g}'} {unit}".rstrip()
