@@ -1,16 +1,18 @@
-"""STL, binary and ASCII. Files cut short or lying, which trimesh 5.2 loads without a word, are refused."""
+"""STL, binary and ASCII. Files cut short or lying, which trimesh 5.2 loads without a word, are refused first."""
 
 from __future__ import annotations
+
+import io
 
 import numpy as np
 
 from ...scheduler.scene import FloatArray
-from .errors import counted, quoted
+from .errors import counted, printable, quoted
 from .obj import coordinate
 from .surface import MeshError, Surface
 
 _HEADER_BYTES = 84
-_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+_TRIANGLE_BYTES = 50
 
 
 def read_stl(data: bytes) -> Surface:
@@ -33,20 +35,34 @@ def _read_binary(data: bytes) -> tuple[FloatArray, tuple[str, ...]]:
     if len(data) < _HEADER_BYTES:
         raise MeshError(f"the file has {len(data)} bytes, expected an STL header of {_HEADER_BYTES}")
     count = int.from_bytes(data[80:_HEADER_BYTES], "little")
-    end = _HEADER_BYTES + count * _TRIANGLE.itemsize
+    end = _HEADER_BYTES + count * _TRIANGLE_BYTES
     if len(data) < end:
-        whole = (len(data) - _HEADER_BYTES) // _TRIANGLE.itemsize
+        whole = (len(data) - _HEADER_BYTES) // _TRIANGLE_BYTES
         raise MeshError(f"the file is cut short: its header says {counted(count, 'triangle')}, it holds {whole}")
     if count == 0:
         raise MeshError("the header says 0 triangles, expected at least one")
-    with np.errstate(invalid="ignore"):  # a signalling NaN, which is refused with all others
-        corners = np.frombuffer(data, _TRIANGLE, count, _HEADER_BYTES)["corners"].astype(np.float64).reshape(-1, 3)
+    corners = _loaded_by_trimesh(data[:end])
+    if len(corners) != 3 * count:
+        raise MeshError(f"expected {count} triangles, got {len(corners) // 3}")
     bad = np.flatnonzero(~np.isfinite(corners).all(axis=1))
     if len(bad):
         raise MeshError(f"triangle {bad[0] // 3 + 1} of {count} has a coordinate that is not finite")
     trailing = len(data) - end
     warning = f"has {counted(trailing, 'byte')} after the {counted(count, 'triangle')} of its header, left out"
     return corners, (warning,) if trailing else ()
+
+
+def _loaded_by_trimesh(data: bytes) -> FloatArray:
+    """Return the (3 m, 3) corners of a binary STL file whose length has been checked."""
+    import trimesh  # late: it takes 0.3 s, and most scenes of primitives need none of it
+
+    try:
+        with np.errstate(all="ignore"):
+            mesh = trimesh.load_mesh(io.BytesIO(data), file_type="stl", process=False)
+        corners: FloatArray = np.asarray(mesh.vertices, dtype=np.float64)[np.asarray(mesh.faces)].reshape(-1, 3)
+    except Exception as error:  # whatever the library meets, the scene has a fault at this file
+        raise MeshError(f"the file cannot be read as STL: {printable(str(error))}") from error
+    return corners
 
 
 _STEPS = {
