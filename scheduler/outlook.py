@@ -12,10 +12,12 @@ from .slab import Slab
 
 #: The directional bound is asked where the others allow fewer than this many steps of the floor.
 STEPS_TOO_FEW = 16.0
-#: It looks this many times as far ahead as they do: farther, more triangles are within reach.
-LOOKAHEAD = 4.0
-#: Triangles are not looked at one by one where a slab between the whole bodies lasts this share of that.
-WHOLE_SUFFICES = 0.25
+#: A slab between the whole bodies looks this many times as far ahead as they do,
+WHOLE_LOOKAHEAD = 64.0
+#: and triangles are not looked at one by one where it lasts this many times as long.
+WHOLE_SUFFICES = 2.0
+#: Those look ahead between so many times as far: farther, more triangles are within reach.
+LEAST_LOOKAHEAD, MOST_LOOKAHEAD = 2.0, 32.0
 
 
 class Outlook:
@@ -49,11 +51,10 @@ class Outlook:
             sleep, bound = balls, Bound.DIRECTIONAL
         if sleep >= min(horizon, STEPS_TOO_FEW * floor):
             return sleep, bound
-        ahead = min(horizon, LOOKAHEAD * max(sleep, floor))
-        farther = shortened(here.time, self._whole(ahead))
-        if farther < WHOLE_SUFFICES * ahead:
-            slabs = self._look(ahead)
-            farther = max(farther, 0.0 if slabs is None else shortened(here.time, slabs.sleep(self._keeps)))
+        cheap = max(sleep, floor)
+        farther = shortened(here.time, self._whole(min(horizon, WHOLE_LOOKAHEAD * cheap)))
+        if farther < min(horizon, WHOLE_SUFFICES * cheap):
+            farther = max(farther, shortened(here.time, self._between_triangles(horizon, cheap)))
         return (farther, Bound.DIRECTIONAL) if farther > sleep else (sleep, bound)
 
     def proof(self, after: Measurement) -> Proof:
@@ -87,6 +88,22 @@ class Outlook:
             self._slab = self._pair.slab(here, duration, self._keeps)
             self._looked_whole = duration
         return min(duration, self._slab.sleep(self._keeps))
+
+    def _between_triangles(self, horizon: float, cheap: float) -> float:
+        """Return how long (s, <= horizon) slabs between the triangles last; `cheap` s are known to.
+
+        They look farther ahead each time they lasted as long as they looked, and less far where there were too many.
+        """
+        factor = self._pair.lookahead
+        ahead = min(horizon, factor * cheap)
+        slabs = self._look(ahead)
+        if slabs is None:
+            self._pair.lookahead = max(LEAST_LOOKAHEAD, 0.5 * factor)
+            return 0.0
+        lasts = slabs.sleep(self._keeps)
+        if lasts >= 0.9 * ahead:
+            self._pair.lookahead = min(MOST_LOOKAHEAD, 2.0 * factor)
+        return lasts
 
     def _look(self, duration: float) -> Slabs | None:
         """Return the slabs for the next `duration` s; None where only spheres were measured, or for too many."""

@@ -25,6 +25,8 @@ from .vector import Vector, norm, subtract, unit
 #: Bounding spheres settle a wakeup while their gap exceeds this share of the sum of their radii. Nearer, the exact
 #: distance buys a sleep that is worth its cost.
 SPHERES_SUFFICE = 0.5
+#: How far ahead triangles are first looked at, in sleeps that the cheap bounds allow.
+FIRST_LOOKAHEAD = 4.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -80,6 +82,7 @@ class Pair:
         at_start: the same two at their start, where that is known though the paths are not.
         margin: m, nearer than which the pair is in breach.
         error: m, by which a measured distance may be wrong.
+        lookahead: how many times as far ahead as the cheap bounds its triangles are looked at next.
     """
 
     def __init__(
@@ -98,6 +101,7 @@ class Pair:
         """
         self.key = key
         self.motion = motion
+        self.lookahead = FIRST_LOOKAHEAD
         self.possible = bool(motion.unknown)
         self.at_start = at_start
         self.margin = margin
