@@ -29,6 +29,9 @@ _NOTHING = 0
 
 _BEST_COMPRESSION = 9
 
+# Begins of contacts that the replay marks and steps through; the first are kept.
+_MOST_TOUCHES = 50_000
+
 
 class _Block:
     """Named arrays, one after another, with a table of where each is."""
@@ -94,9 +97,10 @@ def _add_pairs(block: _Block, gathered: Gathered, bodies: list[str], origin: Flo
     nowhere = ((np.nan,) * 3,) * 2
     witnesses = [gathered.witnesses.get(row, nowhere) for row in range(len(pairs))]
     block.add("witnesses", np.array(witnesses, dtype=np.float64).reshape(-1, 3) - origin, "<f4")
-    touches = [(row, touch.time, touch.point) for row, all_of in sorted(gathered.touches.items()) for touch in all_of]
-    block.add("touchPair", [row for row, _, _ in touches], "<u4")
-    block.add("touchTime", [time for _, time, _ in touches], "<f8")
+    touches = [(touch.time, row, touch.point) for row, all_of in gathered.touches.items() for touch in all_of]
+    touches = sorted(touches)[:_MOST_TOUCHES]
+    block.add("touchPair", [row for _, row, _ in touches], "<u4")
+    block.add("touchTime", [time for time, _, _ in touches], "<f8")
     points = np.array([point for _, _, point in touches], dtype=np.float64).reshape(-1, 3)
     block.add("touchPoint", points - origin, "<f4")
 

@@ -3,7 +3,7 @@
 // Opens report pages from their files, uses them as a person would, and says on standard output what there was to see.
 //
 // VISITS.json: {"browser": path, "folder": for pictures, "visits": [visit, ...]}, a visit being
-//   {"name", "page": path, "width", "height", "theme", "steps": [step, ...], "picture": whether of the whole page, "print"}
+//   {"name", "page": path, "width", "height", "theme", "steps": [step, ...], "picture": whether of all of it, "print"}
 // A step is ["click", selector], ["slide", share of the run], ["type", selector, text], ["press", selector, key],
 // ["point", selector, share of the width, share of the height], or ["evaluate", expression].
 // The answer: {NAME: {"drawn": ms until all was drawn, "looks": [look, ...], "lines": [line of the console, ...],
@@ -117,7 +117,9 @@ async function visit(browser, folder, { name, page: file, width, height, theme, 
   if (picture) await page.screenshot({ path: join(folder, `${name}.png`), fullPage: true });
   const overflow = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
   const title = await page.title();
-  const printed = print ? (await page.pdf({ path: join(folder, `${name}.pdf`), format: "A4", printBackground: true })).length : 0;
+  const printed = print
+    ? (await page.pdf({ path: join(folder, `${name}.pdf`), format: "A4", printBackground: true })).length
+    : 0;
   await page.close();
   return { drawn, looks, lines, requests: requests.filter((one) => one !== address), printed, title, overflow };
 }

@@ -61,7 +61,9 @@ class Bodies {
   // Puts all bodies where they are at a time, s; those that do not exist then are not shown.
   place(time) {
     for (const body of this.byName.values()) {
-      body.group.visible = body.there.some((from, index) => index % 2 === 0 && from <= time && time <= body.there[index + 1]);
+      body.group.visible = body.there.some(
+        (from, index) => index % 2 === 0 && from <= time && time <= body.there[index + 1],
+      );
       if (body.track !== undefined) this.placeTrack(body.track, time, body.group);
     }
     if (this.crowd) this.placeCrowd(time);
@@ -107,14 +109,19 @@ class Bodies {
   // Yields the middle, the radius and the colour of each body that is there.
   *visible() {
     for (const { group, centre, radius, material } of this.byName.values()) {
-      if (group.visible) yield { middle: centre.clone().applyMatrix4(group.matrixWorld), radius, colour: material.color };
+      if (group.visible)
+        yield { middle: centre.clone().applyMatrix4(group.matrixWorld), radius, colour: material.color };
     }
     const { boxSize } = this.arrays;
     const matrix = new Matrix4();
     for (let box = 0; box < (this.crowd?.count ?? 0); box++) {
       this.crowd.getMatrixAt(box, matrix);
       const middle = new Vector3().setFromMatrixPosition(matrix);
-      yield { middle, radius: new Vector3().fromArray(boxSize, 3 * box).length() / 2, colour: this.crowd.material.color };
+      yield {
+        middle,
+        radius: new Vector3().fromArray(boxSize, 3 * box).length() / 2,
+        colour: this.crowd.material.color,
+      };
     }
   }
 
@@ -129,7 +136,10 @@ class Bodies {
       }
     }
     const middle = box.isEmpty() ? new Vector3() : box.getCenter(new Vector3());
-    return { middle, radius: seen.reduce((most, body) => Math.max(most, body.middle.distanceTo(middle) + body.radius), 1e-9) };
+    return {
+      middle,
+      radius: seen.reduce((most, body) => Math.max(most, body.middle.distanceTo(middle) + body.radius), 1e-9),
+    };
   }
 
   paint(colours) {
@@ -140,11 +150,14 @@ class Bodies {
 
 // Sets a place and a turn between rows `before` and `after` of arrays.
 function blend(place, turn, places, turns, before, after, share) {
-  const mix = (values, width, axis) => values[width * before + axis] * (1 - share) + values[width * after + axis] * share;
+  const mix = (values, width, axis) =>
+    values[width * before + axis] * (1 - share) + values[width * after + axis] * share;
   place.set(mix(places, 3, 0), mix(places, 3, 1), mix(places, 3, 2));
   let same = 0;
   for (let axis = 0; axis < 4; axis++) same += (turns[4 * before + axis] / TURN) * (turns[4 * after + axis] / TURN);
   const sign = same < 0 ? -1 : 1;
-  const turned = [0, 1, 2, 3].map((axis) => turns[4 * before + axis] * (1 - share) + sign * turns[4 * after + axis] * share);
+  const turned = [0, 1, 2, 3].map(
+    (axis) => turns[4 * before + axis] * (1 - share) + sign * turns[4 * after + axis] * share,
+  );
   turn.set(...turned).normalize();
 }

@@ -27,7 +27,9 @@ function chartData(pairs, pair) {
 // Returns which ticks of a spread-out axis get a label and a line: 0 and powers of ten.
 function decades(plot, ticks) {
   if (plot.scales.y.distr !== ASINH) return ticks;
-  return ticks.map((tick) => (tick === 0 || Math.abs(Math.log10(tick) % 1) < 1e-6 || Math.abs(Math.log10(tick) % 1) > 1 - 1e-6 ? tick : null));
+  return ticks.map((tick) =>
+    tick === 0 || Math.abs(Math.log10(tick) % 1) < 1e-6 || Math.abs(Math.log10(tick) % 1) > 1 - 1e-6 ? tick : null,
+  );
 }
 
 // Returns a table with one row a time, the lowest: joining wants times to rise.
@@ -35,7 +37,8 @@ function distinct([times, values]) {
   const kept = [[], []];
   for (let row = 0; row < times.length; row++) {
     const last = kept[0].length - 1;
-    if (last >= 0 && times[row] <= kept[0][last]) kept[1][last] = values[row] === null ? kept[1][last] : Math.min(kept[1][last] ?? Infinity, values[row]);
+    if (last >= 0 && times[row] <= kept[0][last])
+      kept[1][last] = values[row] === null ? kept[1][last] : Math.min(kept[1][last] ?? Infinity, values[row]);
     else {
       kept[0].push(times[row]);
       kept[1].push(values[row]);
@@ -63,10 +66,19 @@ class Chart {
 
   caption() {
     const caption = document.createElement("figcaption");
-    const name = Object.assign(document.createElement("span"), { className: "pair", textContent: this.pairs.name(this.pair) });
-    const badge = Object.assign(document.createElement("span"), { className: "badge", textContent: this.pairs.verdict(this.pair) });
+    const name = Object.assign(document.createElement("span"), {
+      className: "pair",
+      textContent: this.pairs.name(this.pair),
+    });
+    const badge = Object.assign(document.createElement("span"), {
+      className: "badge",
+      textContent: this.pairs.verdict(this.pair),
+    });
     badge.dataset.class = this.pairs.verdict(this.pair);
-    const least = Object.assign(document.createElement("span"), { className: "hint", textContent: this.pairs.leastText(this.pair) });
+    const least = Object.assign(document.createElement("span"), {
+      className: "hint",
+      textContent: this.pairs.leastText(this.pair),
+    });
     caption.append(name, badge, least);
     return caption;
   }
@@ -74,9 +86,28 @@ class Chart {
   options({ height, spread }) {
     const { start, end, near } = this.pairs.data;
     const axis = { stroke: palette.faint, grid: { stroke: palette.line, width: 1 }, ticks: { stroke: palette.line } };
-    const proved = { label: "proved", stroke: palette.near, width: 1, fill: this.fill(), paths: uPlot.paths.stepped({ align: 1 }), spanGaps: true, points: { show: false } };
-    const measured = { label: "measured", stroke: palette.ink, width: 1.5, points: { show: true, size: 4, filter: (plot, series, show, gaps) => this.few(plot, series) } };
-    const bound = { label: "at least", stroke: palette.near, width: 0, paths: () => null, points: { show: true, size: 4, fill: palette.page, stroke: palette.near } };
+    const proved = {
+      label: "proved",
+      stroke: palette.near,
+      width: 1,
+      fill: this.fill(),
+      paths: uPlot.paths.stepped({ align: 1 }),
+      spanGaps: true,
+      points: { show: false },
+    };
+    const measured = {
+      label: "measured",
+      stroke: palette.ink,
+      width: 1.5,
+      points: { show: true, size: 4, filter: (plot, series, show, gaps) => this.few(plot, series) },
+    };
+    const bound = {
+      label: "at least",
+      stroke: palette.near,
+      width: 0,
+      paths: () => null,
+      points: { show: true, size: 4, fill: palette.page, stroke: palette.near },
+    };
     return {
       width: this.figure.clientWidth,
       height,
@@ -84,11 +115,22 @@ class Chart {
       cursor: { y: false, drag: { x: true, y: false } },
       scales: {
         x: { time: false, range: (plot, low, high) => (low === null || low === high ? [start, end] : [low, high]) },
-        y: { distr: spread ? ASINH : LINEAR, asinh: Math.max(near / 10, 1e-9), range: (plot, low, high) => [0, Math.max(high, 1e-12) * 1.05] },
+        y: {
+          distr: spread ? ASINH : LINEAR,
+          asinh: Math.max(near / 10, 1e-9),
+          range: (plot, low, high) => [0, Math.max(high, 1e-12) * 1.05],
+        },
       },
       axes: [
         { ...axis, values: (plot, ticks) => ticks.map((tick) => `${tick} s`), space: 70 },
-        { ...axis, values: (plot, ticks) => ticks.map((tick) => (tick === null ? "" : lengthText(tick))), size: 76, filter: decades, grid: { ...axis.grid, filter: decades }, ticks: { ...axis.ticks, filter: decades } },
+        {
+          ...axis,
+          values: (plot, ticks) => ticks.map((tick) => (tick === null ? "" : lengthText(tick))),
+          size: 76,
+          filter: decades,
+          grid: { ...axis.grid, filter: decades },
+          ticks: { ...axis.ticks, filter: decades },
+        },
       ],
       series: [{}, measured, proved, bound],
       hooks: { draw: [(plot) => this.drawRibbon(plot), (plot) => this.drawLeast(plot)] },

@@ -2,14 +2,46 @@
 
 // From libraries.js: uPlot and three.js.
 const {
-  Box3, BoxGeometry, BufferAttribute, BufferGeometry, CanvasTexture, Color, DirectionalLight,
-  DoubleSide, Group, HemisphereLight, InstancedMesh, LineMaterial, LineSegments2, LineSegmentsGeometry,
-  Matrix4, Mesh, MeshLambertMaterial, OrbitControls, PerspectiveCamera, Points, PointsMaterial,
-  Quaternion, Raycaster, Scene, SphereGeometry, uPlot, Vector2, Vector3,
+  Box3,
+  BoxGeometry,
+  BufferAttribute,
+  BufferGeometry,
+  CanvasTexture,
+  Color,
+  DirectionalLight,
+  DoubleSide,
+  Group,
+  HemisphereLight,
+  InstancedMesh,
+  LineMaterial,
+  LineSegments2,
+  LineSegmentsGeometry,
+  Matrix4,
+  Mesh,
+  MeshLambertMaterial,
+  OrbitControls,
+  PerspectiveCamera,
+  Points,
+  PointsMaterial,
+  Quaternion,
+  Raycaster,
+  Scene,
+  SphereGeometry,
+  uPlot,
+  Vector2,
+  Vector3,
   WebGLRenderer,
 } = libraries;
 
-const ARRAYS = { "<f8": Float64Array, "<f4": Float32Array, "<u4": Uint32Array, "<i4": Int32Array, "<u2": Uint16Array, "<i2": Int16Array, "<u1": Uint8Array };
+const ARRAYS = {
+  "<f8": Float64Array,
+  "<f4": Float32Array,
+  "<u4": Uint32Array,
+  "<i4": Int32Array,
+  "<u2": Uint16Array,
+  "<i2": Int16Array,
+  "<u1": Uint8Array,
+};
 
 // Returns the facts of the page, and `arrays` by name.
 async function readData(text) {

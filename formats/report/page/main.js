@@ -114,11 +114,16 @@ function startReplay(pairs, moment) {
     return null;
   }
   const { coarser } = pairs.data.replay;
-  if (coarser) document.getElementById("coarser").textContent = ` Of the surfaces, ${coarser} are drawn coarser than the log has them.`;
+  if (coarser)
+    document.getElementById("coarser").textContent =
+      ` Of the surfaces, ${coarser} are drawn coarser than the log has them.`;
   try {
     return new Replay(pairs, moment);
   } catch (fault) {
-    const told = Object.assign(document.createElement("p"), { className: "note", textContent: `Nothing can be drawn in 3D here: ${fault.message}` });
+    const told = Object.assign(document.createElement("p"), {
+      className: "note",
+      textContent: `Nothing can be drawn in 3D here: ${fault.message}`,
+    });
     document.getElementById("scene").replaceWith(told);
     return null;
   }

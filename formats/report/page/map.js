@@ -23,7 +23,9 @@ class PairMap {
     this.rows.addEventListener("mousemove", (event) => this.tell(this.at(event)));
     this.rows.addEventListener("click", (event) => this.take(this.at(event)));
     this.rows.addEventListener("keydown", (event) => this.key(event));
-    document.getElementById("any").addEventListener("click", (event) => this.moment.setTime(this.timeAt(event.offsetX + this.left)));
+    document
+      .getElementById("any")
+      .addEventListener("click", (event) => this.moment.setTime(this.timeAt(event.offsetX + this.left)));
     new ResizeObserver(() => this.layOut()).observe(document.getElementById("map"));
     this.moment.listen(() => this.schedule());
     this.setUpNear();
@@ -60,7 +62,10 @@ class PairMap {
 
   // Returns how wide the longest name is, about: that with the most letters.
   longestName() {
-    const longest = this.chosen.reduce((most, pair) => (this.pairs.name(pair).length > most.length ? this.pairs.name(pair) : most), "");
+    const longest = this.chosen.reduce(
+      (most, pair) => (this.pairs.name(pair).length > most.length ? this.pairs.name(pair) : most),
+      "",
+    );
     return contextOf(this.canvas, 1, 1).measureText(longest).width;
   }
 
@@ -124,11 +129,12 @@ class PairMap {
     context.restore();
     this.paintClasses(context, this.pairs.classes(pair), this.left, top + 2, ROW - 4);
     context.fillStyle = palette.faint;
-    if (this.right) context.fillText(this.pairs.leastText(pair, TIME_DIGITS), this.width - this.right + 8, top + ROW / 2);
+    if (this.right)
+      context.fillText(this.pairs.leastText(pair, TIME_DIGITS), this.width - this.right + 8, top + ROW / 2);
   }
 
   paintClasses(context, classes, left, top, height) {
-    for (let from = 0; from < COLUMNS; ) {
+    for (let from = 0; from < COLUMNS;) {
       let to = from + 1;
       while (to < COLUMNS && classes[to] === classes[from]) to++;
       const [x, end] = [from, to].map((column) => left + (column / COLUMNS) * this.cellsWidth);

@@ -51,7 +51,13 @@ class Pairs {
   // Returns the points of a pair that say how far apart it is at instants: measured, or bounds.
   points(pair) {
     const { pointFrom, pointTime, pointDistance, pointMeasured } = this.arrays;
-    return { time: pointTime, distance: pointDistance, measured: pointMeasured, from: pointFrom[pair], to: pointFrom[pair + 1] };
+    return {
+      time: pointTime,
+      distance: pointDistance,
+      measured: pointMeasured,
+      from: pointFrom[pair],
+      to: pointFrom[pair + 1],
+    };
   }
 
   // Tells whether the points around a time, s, were both measured.
@@ -146,7 +152,8 @@ class Pairs {
   leastText(pair, digits = 6) {
     const { lower, upper, nearest } = this.arrays;
     if (this.verdict(pair) === "contact") return "touches";
-    if (Number.isNaN(upper[pair])) return lower[pair] > 0 ? `above ${lengthText(lower[pair], Math.floor)}` : "not known";
+    if (Number.isNaN(upper[pair]))
+      return lower[pair] > 0 ? `above ${lengthText(lower[pair], Math.floor)}` : "not known";
     return `${lengthText(upper[pair], Math.ceil)} at ${timeText(nearest[pair], digits)}`;
   }
 

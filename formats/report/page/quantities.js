@@ -1,6 +1,12 @@
 // Lengths and times in words. Bounds are rounded so that they stay true: lower ones down, upper ones up.
 
-const UNITS = [["km", 1e3, 1e4], ["m", 1, 1], ["mm", 1e-3, 1e-3], ["µm", 1e-6, 1e-6], ["nm", 1e-9, 0]];
+const UNITS = [
+  ["km", 1e3, 1e4],
+  ["m", 1, 1],
+  ["mm", 1e-3, 1e-3],
+  ["µm", 1e-6, 1e-6],
+  ["nm", 1e-9, 0],
+];
 const DIGITS = 4;
 
 // Returns a length in m as text; `round` is Math.round, Math.floor or Math.ceil.

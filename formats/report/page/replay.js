@@ -55,7 +55,14 @@ class Replay {
   addMarks() {
     this.marks = new Points(
       new BufferGeometry(),
-      new PointsMaterial({ size: MARK_PIXELS, sizeAttenuation: false, depthTest: false, transparent: true, alphaTest: 0.3, map: ring() }),
+      new PointsMaterial({
+        size: MARK_PIXELS,
+        sizeAttenuation: false,
+        depthTest: false,
+        transparent: true,
+        alphaTest: 0.3,
+        map: ring(),
+      }),
     );
     this.marks.frustumCulled = false;
     this.marks.renderOrder = 2;
@@ -130,10 +137,13 @@ class Replay {
       const kind = this.pairs.classAt(pair, time);
       worst[bodyA[pair]] = Math.max(worst[bodyA[pair]], kind);
       worst[bodyB[pair]] = Math.max(worst[bodyB[pair]], kind);
-      if (kind !== CLASS.nothing) near.push({ pair, kind, distance: kind === CLASS.contact ? 0 : this.pairs.distanceAt(pair, time) });
+      if (kind !== CLASS.nothing)
+        near.push({ pair, kind, distance: kind === CLASS.contact ? 0 : this.pairs.distanceAt(pair, time) });
     }
     this.kinds = new Map(this.pairs.data.bodies.map((name, body) => [name, worst[body]]));
-    this.bodies.paint((name) => ((this.kinds.get(name) ?? 0) > CLASS.clear ? palette[CLASSES[this.kinds.get(name)]] : palette.body));
+    this.bodies.paint((name) =>
+      (this.kinds.get(name) ?? 0) > CLASS.clear ? palette[CLASSES[this.kinds.get(name)]] : palette.body,
+    );
     near.sort((a, b) => b.kind - a.kind || (a.distance || 0) - (b.distance || 0) || a.pair - b.pair);
     this.list(near.slice(0, LISTED));
   }
@@ -184,7 +194,10 @@ class Replay {
     for (let other = next; other < lineTime.length && lineTime[other] === lineTime[next]; other++) {
       if (linePair[other] !== linePair[row]) continue;
       const share = (time - lineTime[last]) / (lineTime[next] - lineTime[last]);
-      return Array.from({ length: 6 }, (_, axis) => linePoints[6 * row + axis] * (1 - share) + linePoints[6 * other + axis] * share);
+      return Array.from(
+        { length: 6 },
+        (_, axis) => linePoints[6 * row + axis] * (1 - share) + linePoints[6 * other + axis] * share,
+      );
     }
     return null;
   }
@@ -204,7 +217,10 @@ class Replay {
     });
     this.marks.visible = places.length > 0;
     this.marks.geometry.dispose();
-    this.marks.geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(new Float32Array(places), 3));
+    this.marks.geometry = new BufferGeometry().setAttribute(
+      "position",
+      new BufferAttribute(new Float32Array(places), 3),
+    );
     this.marks.material.color.setStyle(palette.ink);
   }
 
