@@ -49,7 +49,7 @@ def command(
     from ..formats.log.export import chosen_tables, export_table, export_tables
 
     if kind == "parquet" and find_spec("pyarrow") is None:
-        raise click.UsageError("Parquet needs pyarrow: pip install 'closecall[parquet]'")
+        raise click.ClickException("Parquet needs pyarrow: pip install 'closecall[parquet]'")
     choice = choice_of(topics, pairs, start, end)
     tables = chosen_tables(choice)
     if not tables:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import groupby
-from math import isnan
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -95,4 +95,4 @@ def _values(one: Difference) -> dict[str, Any]:
 
 
 def _number(value: float | str | None) -> float | str | None:
-    return None if isinstance(value, float) and isnan(value) else value
+    return None if isinstance(value, float) and not isfinite(value) else value

@@ -124,6 +124,13 @@ def test_what_cannot_be_exported_is_told(log, arguments, code, said):
     assert (len(done.stdout.splitlines()) > 5) is (code == 3)
 
 
+def test_parquet_without_pyarrow_is_a_line_that_says_what_to_install(log, monkeypatch):
+    monkeypatch.setattr("closecall.cli.export.find_spec", lambda name: None)
+    done = closecall_inside("export", log, "--format", "parquet", "-o", "tables", cwd=log.parent)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == "Error: Parquet needs pyarrow: pip install 'closecall[parquet]'\n"
+
+
 def test_a_reader_that_leaves_early_ends_the_export_quietly(log):
     script = 'set -o pipefail; "$@" | head -2'
     export = command("export", log, "--topic", "/wakeups")
