@@ -73,23 +73,14 @@ def edited(topic: str, edit: Callable[[Any], bool | None], first: int | None = N
     return change
 
 
-def shifted(nanoseconds: int) -> Change:
-    """Return a change of all times stamped, as another epoch has them; the facts' own seconds stay."""
-
-    def change(channel: Channel, message: Message) -> Iterable[Message]:
-        return [replace(message, log_time=message.log_time + nanoseconds, publish_time=message.log_time + nanoseconds)]
-
-    return change
-
-
 def with_last_bits(channel: Channel, message: Message) -> Iterable[Message]:
-    """Change every double by its last bit, up or down: as another machine's libm may."""
+    """Change every double by its last bit, up or down, and each time by a nanosecond: as another machine's libm may."""
     kind = message_type(f"closecall.{channel.topic[1:].rstrip('s').capitalize()}")
     if kind is None:
         return [message]
     decoded = kind.FromString(message.data)
     _nudge(decoded)
-    return [replace(message, data=decoded.SerializeToString())]
+    return [replace(message, log_time=max(0, message.log_time - 1), data=decoded.SerializeToString())]
 
 
 def _nudge(message: Any) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import random
+import struct
 from pathlib import Path
 from typing import Any, cast
 
@@ -11,7 +12,9 @@ import numpy as np
 import pytest
 from cli_process import closecall
 from guarded import memory_limited
+from mcap.data_stream import RecordBuilder
 from mcap.reader import make_reader
+from mcap.records import Chunk
 from mcap.writer import Writer
 from rewritten_logs import rewrite
 
@@ -21,6 +24,7 @@ from closecall.formats.log.chunks import Compression
 from closecall.formats.log.errors import DamagedLogError, LogError
 from closecall.formats.log.found import fold, read_found, read_summary
 from closecall.formats.log.reader import LogReader, Loss
+from closecall.formats.log.records import chunk_content
 from closecall.formats.log.writer import LogOptions, LogWriter, Topics
 from closecall.formats.scene.loaded import LoadedScene
 from closecall.scheduler.events import Bound, Distance, Feature, FeatureKind, Level, PairKey, Reason, Wakeup
@@ -244,6 +248,18 @@ def test_a_length_that_lies_takes_no_memory(tmp_path, scene):
         assert loss is not None, name
         expected = {"record": (200, start), "data": (1000, 0)}.get(name, (800, start))  # all the data that is there
         assert (len(read), loss.offset) == expected, name
+
+
+def test_a_frame_that_declares_a_terabyte_is_refused_before_it_is_set_aside():
+    frame = struct.pack("<IBQ", 0xFD2FB528, 0xE0, 2**40) + b"\x01\x00\x00"
+    chunk = RecordBuilder()
+    Chunk("zstd", frame, 0, 0, 0, 100).write(chunk)
+    with pytest.raises(ValueError, match="size is not what it says"):
+        chunk_content(chunk.end()[9:])
+    lies = RecordBuilder()
+    Chunk("zstd", frame, 0, 0, 0, 2**40).write(lies)
+    with pytest.raises(ValueError, match="too large"):
+        chunk_content(lies.end()[9:])
 
 
 def test_what_is_wrong_outside_the_facts_is_told_too(tmp_path, scene):
