@@ -16,6 +16,7 @@ import pyarrow.parquet
 import pytest
 from cli_process import closecall_inside, command
 from diff_logs import run_scene, write_scene
+from rewritten_logs import rewrite
 
 from closecall.formats.log.choice import Choice
 from closecall.formats.log.export import export_table, export_tables
@@ -131,9 +132,17 @@ def test_parquet_without_pyarrow_is_a_line_that_says_what_to_install(log, monkey
     assert done.stderr == "Error: Parquet needs pyarrow: pip install 'closecall[parquet]'\n"
 
 
-def test_a_reader_that_leaves_early_ends_the_export_quietly(log):
+@pytest.fixture(scope="module")
+def long_log(log: Path) -> Path:
+    """Return a log whose wakeups make far more rows than a pipe holds."""
+    path = log.parent / "long.mcap"
+    rewrite(log, path, lambda channel, message: [message] * (200 if channel.topic == "/wakeups" else 1))
+    return path
+
+
+def test_a_reader_that_leaves_early_ends_the_export_quietly(long_log):
     script = 'set -o pipefail; "$@" | head -2'
-    export = command("export", log, "--topic", "/wakeups")
+    export = command("export", long_log, "--topic", "/wakeups")
     done = subprocess.run(["bash", "-c", script, "bash", *export], capture_output=True, text=True, timeout=60)
     assert done.stdout.startswith("time,log_time,pair,pair_id,body_a,body_b,reason,")
     assert len(done.stdout.splitlines()) == 2
@@ -141,8 +150,8 @@ def test_a_reader_that_leaves_early_ends_the_export_quietly(log):
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-def test_a_signal_ends_an_export_in_a_line(log, number, code):
-    export = command("export", log, "--topic", "/distances", "--format", "ndjson")
+def test_a_signal_ends_an_export_in_a_line(long_log, number, code):
+    export = command("export", long_log, "--topic", "/wakeups", "--format", "ndjson")
     process = subprocess.Popen(
         export,
         stdout=subprocess.PIPE,
