@@ -171,8 +171,9 @@ def _rivals(rivals: list[PairSummary]) -> str:
     if not rivals:
         return ""
     lowest = min(rivals, key=lambda pair: (pair["distance"]["lower"], pair["pair"]))
-    example = f"such as {pair_name(lowest)}, proved to stay {at_least(lowest['distance']['lower'])} apart"
-    return f" As near or nearer may come {counted(len(rivals), 'other pair')}, {example}."
+    example = f"{pair_name(lowest)}, proved to stay {at_least(lowest['distance']['lower'])} apart"
+    many = f"{len(rivals)} other pairs, such as " if len(rivals) > 1 else ""
+    return f" As near or nearer may come {many}{example}."
 
 
 def _unlisted(found: Found) -> str:
