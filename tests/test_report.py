@@ -151,6 +151,19 @@ def test_a_page_that_cannot_be_written_is_refused(log: Path, tmp_path: Path, out
     assert os.listdir(tmp_path) == []
 
 
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_a_reader_that_goes_away_ends_it_with_141(log: Path, unbuffered: str) -> None:
+    command = [sys.executable, "-m", "closecall", "report", str(log), "-o", "-"]
+    environment = os.environ | {"PYTHONUNBUFFERED": unbuffered}
+    with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        assert process.stdout.read(9) == b"<!DOCTYPE"
+        process.stdout.close()
+        assert process.stderr.read() == b""
+    assert process.returncode == 141
+
+
 def test_what_is_no_log_is_refused(tmp_path: Path) -> None:
     (tmp_path / "text.mcap").write_text("hello")
     for name in ("text.mcap", "missing.mcap"):
