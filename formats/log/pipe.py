@@ -24,7 +24,7 @@ class CountingStream:
         self._written = 0
 
     def write(self, data: bytes) -> int:
-        """Write all of the bytes: an unbuffered pipe takes a part where its reader goes away, and tells the next time."""
+        """Write all of the bytes: unbuffered, a pipe takes a part where its reader goes away, and tells the next."""
         left = memoryview(data)
         while left:
             left = left[self._stream.write(left) :]
