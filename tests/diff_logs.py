@@ -62,7 +62,8 @@ def edited(topic: str, edit: Callable[[Any], bool | None], first: int | None = N
         nonlocal count
         if channel.topic != topic or (first is not None and count >= first):
             return [message]
-        kind = message_type(f"closecall.{topic[1:].rstrip('s').capitalize()}")
+        own = {"/log": "foxglove.Log", "/viz/clearance": "foxglove.SceneUpdate"}
+        kind = message_type(own.get(topic, f"closecall.{topic[1:].rstrip('s').capitalize()}"))
         assert kind is not None
         decoded = kind.FromString(message.data)
         before = decoded.SerializeToString()

@@ -281,6 +281,21 @@ def test_a_cut_log_is_compared_in_the_time_that_is_left(golden, tmp_path):
     assert [one.cause.label for one in found.differences] == ["contact begin moved"]
 
 
+def test_what_viewers_get_is_the_same_of_another_epoch_and_version(tmp_path):
+    def version(message: Any) -> None:
+        message.message = message.message.replace("closecall 0.", "closecall 9.")
+
+    scene_file = write_scene(tmp_path)
+    options = ["--log", "full", "--rate", "10"]
+    one = run_scene(scene_file, tmp_path / "one.mcap", *options)
+    other = run_scene(scene_file, tmp_path / "other.mcap", *options, "--epoch", "1700000000000000001")
+    rewrite(other, tmp_path / "newer.mcap", edited("/log", version))
+    assert compare(one, tmp_path / "newer.mcap", Rules(), every_topic=True).differences == ()
+    rewrite(one, tmp_path / "drawn.mcap", edited("/viz/clearance", lambda message: False, first=1))
+    found = compare(one, tmp_path / "drawn.mcap", Rules(), every_topic=True)
+    assert [sentence(found) for found in found.differences] == ["/viz/clearance: messages missing: 1 message, at 0 s"]
+
+
 def test_a_reviewer_is_told_what_is_no_difference(golden, tmp_path):
     run_scene(write_scene(tmp_path, SCENE.replace("rail", "guide")), tmp_path / "new.mcap", "--time-resolution", "0.01")
     rules = Rules(ignored=Ignored(("arm|rial", "arm|wall")), within_brackets=True)
