@@ -75,7 +75,9 @@ def test_summary_filters_sorts_and_limits(tmp_path):
     assert [pair["pair"] for pair in pairs("--sort", "name")] == sorted(pair["pair"] for pair in everything)
     wakeups = [pair["wakeups"] for pair in pairs("--sort", "wakeups", "--limit", "4")]
     assert wakeups == sorted((pair["wakeups"] for pair in everything), reverse=True)[:4]
-    assert rows("--sort", "time", "--limit", "1") == ["arm | rail"]
+    assert rows("--sort", "time", "--verdict", "breach,contact") == ["arm | wall", "ball | post"]
+    assert rows("--sort", "distance", "--verdict", "breach,contact") == ["arm | wall", "ball | post"]
+    assert rows("--sort", "time", "--verdict", "breach,contact", "--limit", "1") == ["arm | wall"]
     limited = closecall_inside("summary", "out.mcap", "--limit", "2", cwd=tmp_path).stdout
     assert "... and 7 more pairs" in limited
     assert "no pair is such" in closecall_inside("summary", "out.mcap", "--pair", "none", cwd=tmp_path).stdout
