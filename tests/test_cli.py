@@ -1,7 +1,6 @@
 """The commands as a shell sees them: what they print, where, and with which exit code."""
 
 import json
-from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -49,13 +48,6 @@ def test_json_is_the_logs_summary_with_the_seconds(scene, tmp_path):
 def test_summary_prints_the_same_table_as_the_run(scene, tmp_path):
     ran = closecall("run", scene, "-o", "out.mcap", cwd=tmp_path)
     assert closecall("summary", "out.mcap", cwd=tmp_path).stdout == ran.stdout
-
-
-def first_time(pair: dict[str, Any]) -> float:
-    """Return when a pair first touches or is in breach, else when it was nearest, s; inf where that is unknown."""
-    if pair["contacts"] or pair["breaches"]:
-        return float(pair["contacts"][0]["begin"][1] if pair["contacts"] else pair["breaches"][0][0])
-    return inf if pair["distance"]["time"] is None else float(pair["distance"]["time"])
 
 
 def test_summary_filters_sorts_and_limits(tmp_path):
