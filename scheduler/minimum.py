@@ -70,6 +70,8 @@ class LeastDistance:
         stretches = self._stretches
         if any(stretch.clearance <= 0.0 for stretch in stretches):
             return
+        if all(stretch.clearance >= self.target for stretch in stretches):
+            return
         lowest = min(stretches, key=lambda stretch: (stretch.nearest, stretch.clearance))
         yield from self._descend(lowest.start, lowest.end)
         first = 0

@@ -350,10 +350,3 @@ def test_check_of_a_process_of_its_own(folder: Path) -> None:
     assert done.returncode == 0
     assert json.loads(done.stdout)["pairs"] == 3
     assert done.stderr.count("\n") == 1
-
-
-@pytest.mark.parametrize("command", ["check", "schema"])
-def test_every_help_has_an_example(run, command: str) -> None:
-    done = run(command, "--help")
-    assert done.code == 0
-    assert "Example: closecall" in done.out
