@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from .faults import exit_code_of, faults_reported
+from .faults import exit_code_of, faults_reported, raise_interrupts
 from .options import choice_of, choice_options
 
 
@@ -58,6 +58,7 @@ def command(
     if output is None and (len(tables) > 1 or kind == "parquet"):
         raise click.UsageError("Give one --topic, or -o DIR." if len(tables) > 1 else "Parquet needs -o DIR.")
     with faults_reported():
+        raise_interrupts()
         if output is None:
             done = export_table(log, kind, choice, sys.stdout.buffer)
         else:

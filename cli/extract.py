@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from .faults import exit_code_of, faults_reported
+from .faults import exit_code_of, faults_reported, raise_interrupts
 from .options import choice_of, choice_options
 
 
@@ -46,6 +46,7 @@ def command(
     if chosen and output is None:
         raise click.UsageError("Give -o FILE for the part.")
     with faults_reported():
+        raise_interrupts()
         if name is not None:
             return _take_file(log, name, output)
         if output is None:

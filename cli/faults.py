@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 from collections.abc import Iterator
@@ -29,6 +30,23 @@ class WorkerError(Exception):
 
     def __init__(self, problem: str, remedy: str) -> None:
         super().__init__(f"{problem}; {remedy}")
+
+
+def end_at_interrupts() -> None:
+    """Have Ctrl-C end the process at once, with a line: while it starts nothing is written, and imports may swallow it."""
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, _end)
+
+
+def raise_interrupts() -> None:
+    """Have Ctrl-C raise KeyboardInterrupt again, so that what is under way is left in order."""
+    if signal.getsignal(signal.SIGINT) is _end:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def _end(number: int, frame: FrameType | None) -> NoReturn:
+    os.write(2, b"interrupted\n")
+    os._exit(128 + signal.SIGINT)
 
 
 @contextmanager
@@ -87,4 +105,6 @@ def _how_to_recover(output: Path | None) -> str:
     partial = Path(f"{output}.partial")
     if output is None or not partial.exists():
         return ""
-    return f"; the log so far is in {partial}: mcap recover {partial} -o recovered.mcap"
+    return (
+        f"; the log so far is in {partial}: closecall's commands read it, mcap recover {partial} -o whole.mcap mends it"
+    )

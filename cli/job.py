@@ -28,6 +28,7 @@ from ..scheduler.run import run
 from ..scheduler.scene import Scene, Settings, least_duration
 from ..scheduler.snapshot import Observer, Observes, observed
 from ..scheduler.streams import Work, merged
+from .faults import raise_interrupts
 from .options import LEAST_SNAPSHOTS, USUAL_RATE, RunOptions
 from .progress import shares_shown, shown
 from .workers import streams_of
@@ -67,6 +68,7 @@ def run_job(scene_path: Path, output: Path, options: RunOptions) -> Result:
     crowded = total > FEW_PAIRS if options.broad_phase == "auto" else options.broad_phase == "on"
     pairs = () if crowded else all_of(loaded, pairing, total, options.max_pairs)
     ready = perf_counter()
+    raise_interrupts()
     writing = fcl = 0.0
     with LogWriter(output, loaded, settings, total, _log_options(options)) as log:
         if options.jobs == 1 and options.cluster is None:

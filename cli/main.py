@@ -12,6 +12,8 @@ import click
 
 from closecall import __version__
 
+from .faults import end_at_interrupts
+
 COMMANDS = {
     "run": "Run a scene and write its certified log.",
     "check": "Check a scene and tell what was understood.",
@@ -72,6 +74,7 @@ def group() -> None:
 def main() -> NoReturn:
     """Run the command line; every failure ends in one line and its exit code."""
     try:
+        end_at_interrupts()
         code = group.main(standalone_mode=False, complete_var="_CLOSECALL_COMPLETE")
     except click.ClickException as error:
         error.show()

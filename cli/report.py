@@ -9,7 +9,7 @@ import click
 
 from ..formats.log.output import Output
 from ..formats.log.pipe import STDOUT, Pipe
-from .faults import exit_code_of, faults_reported
+from .faults import exit_code_of, faults_reported, raise_interrupts
 
 
 @click.command("report")
@@ -31,6 +31,7 @@ def command(log: Path, output: Path | None, quiet: bool) -> int:
 
     target = log.with_name(f"{log.stem}.html") if output is None else output
     with faults_reported():
+        raise_interrupts()
         place = Pipe(sys.stdout.buffer) if target == STDOUT else Output(target, [log])
         gathered = gather(log)
         data = page(gathered).encode()

@@ -138,7 +138,9 @@ def _contacts(pair: PairSummary) -> str:
     if not contacts:
         return _spans(pair)
     first = contacts[0]
-    end = "the end" if first["end"] is None else f"{seconds_told(first['end'][0], 7)} s"
+    lost = any(start > first["begin"][1] for start, _ in pair["unresolved"])
+    unended = "an end that is not known" if lost else "the end"
+    end = unended if first["end"] is None else f"{seconds_told(first['end'][0], 7)} s"
     keys = ", ".join(f"{body} {between(*around)}" for body, around in first["keys"].items())
     more = f" and {len(contacts) - 1} more" if len(contacts) > 1 else ""
     return f"{seconds_told(first['begin'][1], 7)}{f' ({keys})' if keys else ''} .. {end}{more}"

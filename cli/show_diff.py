@@ -35,7 +35,8 @@ def print_comparison(comparison: Comparison, most: int) -> None:
         console.print(Text(f"note: {note}", "dim"))
     first = comparison.first
     if first is None:
-        console.print(f"the same: {counted(len(comparison.pairs), 'pair')}")
+        same = "the same in what could be read" if comparison.losses else "the same"
+        console.print(f"{same}: {counted(len(comparison.pairs), 'pair')}")
         return
     console.print(Text(f"first: {sentence(first)}"))
     differ = len({one.subject for one in comparison.differences} & set(comparison.pairs))
@@ -69,7 +70,7 @@ def as_values(comparison: Comparison, golden: Path, new: Path) -> dict[str, Any]
     return {
         "golden": str(golden),
         "new": str(new),
-        "same": not comparison.differences,
+        "same": not (comparison.differences or comparison.losses),
         "pairs_compared": len(comparison.pairs),
         "by_cause": {cause.label: count for cause, count in comparison.by_cause().items()},
         "first": None if first is None else _values(first),

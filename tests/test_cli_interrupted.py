@@ -115,6 +115,21 @@ def test_a_pipe_closed_by_its_reader_ends_the_run_quietly(scene):
     process.stderr.close()
 
 
+@pytest.mark.parametrize("seconds", [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8])
+def test_an_interrupt_while_it_starts_ends_it(tmp_path, seconds):
+    """While libraries are loaded that would take it for a module that is missing."""
+    sample = Path(__file__).parents[1] / "sample_scenes" / "asteroids" / "scene.yaml"
+    process = subprocess.Popen(command("run", sample, "-o", "out.mcap"), cwd=tmp_path, stderr=subprocess.PIPE)
+    assert process.stderr is not None
+    time.sleep(seconds)
+    process.send_signal(signal.SIGINT)
+    told = process.stderr.read().decode()
+    process.stderr.close()
+    assert process.wait(timeout=60) in (130, -signal.SIGINT)
+    assert not re.search(r"TypeError|RuntimeError", told)
+    assert not (tmp_path / "out.mcap").exists()
+
+
 def test_json_and_a_log_down_the_same_pipe_is_a_usage_error(scene, tmp_path):
     done = closecall("run", scene, "-o", "-", "--json", cwd=tmp_path)
     assert (done.returncode, done.stdout) == (2, "")

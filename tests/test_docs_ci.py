@@ -71,7 +71,8 @@ def test_the_tests_run_as_printed(pytester):
     assert "test_cell/test_the_cell_is_as_it_was.mcap" in DOCUMENT
 
 
-def test_readme_prints_what_its_comparison_prints(tmp_path):
+def test_readme_prints_what_its_comparison_prints(tmp_path, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "120")
     (tmp_path / "sample_scenes").symlink_to(Path(__file__).parents[1] / "sample_scenes")
     section = README.split("## Comparing logs")[1]
     script = section.split("```sh\n")[1].split("```")[0]
