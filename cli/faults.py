@@ -33,7 +33,7 @@ class WorkerError(Exception):
 
 
 def end_at_interrupts() -> None:
-    """Have Ctrl-C end the process at once, with a line: while it starts nothing is written, and imports may swallow it."""
+    """Have Ctrl-C end the process at once: while it starts nothing is written, and imports of libraries swallow it."""
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, _end)
 
