@@ -20,6 +20,7 @@ import pytest
 from cli_process import SPHERES, closecall
 from hypothesis import given
 from hypothesis import strategies as st
+from mcap.reader import make_reader
 from report_pages import HOSTILE, WARNING, hostile_log, made_up
 
 from closecall.formats.log.found import Found
@@ -181,6 +182,19 @@ def test_a_cut_log_gives_a_page_with_a_banner_and_exit_3(log: Path, tmp_path: Pa
     assert "Not the whole log. The log is unfinished at byte" in cut.text
     assert re.search(r"its end is not known; nothing is known of [\d.]+ to 5 s, which the log has lost", cut.text)
     assert "to the end" not in cut.text
+
+
+def test_what_was_not_read_is_not_said_not_to_be(log: Path, tmp_path: Path) -> None:
+    """Cut in the middle of the first chunk, whose facts and bodies are lost with it."""
+    with log.open("rb") as file:
+        index = make_reader(file).get_summary()
+    assert index is not None
+    (tmp_path / "cut.mcap").write_bytes(log.read_bytes()[: index.chunk_indexes[0].chunk_start_offset + 100])
+    assert closecall("report", "cut.mcap", "-q", cwd=tmp_path).returncode == 3
+    cut = Parsed((tmp_path / "cut.html").read_text())
+    assert "No contact was found in what could be read." in cut.text
+    assert "No bodies to draw could be read of the log." in cut.text
+    assert "--log certificate" not in cut.text
 
 
 def test_balls_that_touch_are_told_with_when(text: str) -> None:

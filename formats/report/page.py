@@ -52,7 +52,7 @@ def page(gathered: Gathered) -> str:
         "awakenings": sections.awakenings(gathered),
         "provenance": sections.provenance(gathered),
         "guarantees": sections.guarantees(),
-        "replay": _replay_note(gathered.replay),
+        "replay": _replay_note(gathered.replay, gathered.loss is None),
         "data": packed(gathered, near(gathered)),
         "libraries": libraries,
         "scripts": scripts,
@@ -83,9 +83,10 @@ def _policy(*scripts: str) -> str:
     return f"default-src 'none'; script-src {allowed}; style-src 'unsafe-inline'; img-src data: blob:"
 
 
-def _replay_note(replay: Replay | None) -> str:
+def _replay_note(replay: Replay | None, whole: bool) -> str:
     if replay is None:
-        told = "The log has no bodies to draw: it was written with <code>--log certificate</code>."
+        certificate = "The log has no bodies to draw: it was written with <code>--log certificate</code>."
+        told = certificate if whole else "No bodies to draw could be read of the log."
         return f'<p class="note">{told} The rest of the page does without.</p>'
     if not replay.moves:
         told = "The log has the bodies as they start, but not how they move: it was written with <code>--rate 0</code>."

@@ -80,7 +80,7 @@ def contacts(gathered: Gathered) -> str:
     found = [(pair, index, contact) for index, pair in enumerate(gathered.pairs) for contact in pair["contacts"]]
     found.sort(key=lambda row: (row[2]["begin"][1], row[0]["pair"]))
     if not found:
-        return "<p>No contact was found.</p>"
+        return f"<p>{_nothing(gathered, 'No contact was found')}</p>"
     kinds = {(row, touch.time): touch.kind for row, touches in gathered.touches.items() for touch in touches}
     rows = []
     for pair, index, contact in found[:_MOST_CONTACTS]:
@@ -103,13 +103,18 @@ def contacts(gathered: Gathered) -> str:
     return _table(heads, rows) + note
 
 
+def _nothing(gathered: Gathered, told: str) -> str:
+    """Return that there is nothing, and of how much that is true."""
+    return f"{told}." if gathered.loss is None and gathered.found.loss is None else f"{told} in what could be read."
+
+
 def awakenings(gathered: Gathered) -> str:
     """Return why pairs woke, and which bound sent them to sleep."""
     by_reason: dict[str, dict[str, int]] = {}
     for (reason, level), count in gathered.awakening.reasons.items():
         by_reason.setdefault(reason, {})[level] = count
     if not by_reason:
-        return "<p>No wakeup was logged.</p>"
+        return f"<p>{_nothing(gathered, 'No wakeup was logged')}</p>"
     totals = {reason: sum(levels.values()) for reason, levels in by_reason.items()}
     most = max(totals.values())
     rows = []

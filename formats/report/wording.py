@@ -171,7 +171,9 @@ def _rivals(rivals: list[PairSummary]) -> str:
     if not rivals:
         return ""
     lowest = min(rivals, key=lambda pair: (pair["distance"]["lower"], pair["pair"]))
-    example = f"{pair_name(lowest)}, proved to stay {at_least(lowest['distance']['lower'])} apart"
+    lower = lowest["distance"]["lower"]
+    proved = f"proved to stay {at_least(lower)} apart" if lower > 0.0 else "of which nothing is proved"
+    example = f"{pair_name(lowest)}, {proved}"
     many = f"{len(rivals)} other pairs, such as " if len(rivals) > 1 else ""
     return f" As near or nearer may come {many}{example}."
 
