@@ -31,24 +31,29 @@ def feature_at(point: Vector, corners: Triangle) -> tuple[FeatureKind, int]:
 
 
 def meeting_point(one: Triangle, other: Triangle) -> Vector:
-    """Return a point (m) common to two triangles that meet: amid their crossings, or where coplanar ones overlap."""
+    """Return a point (m) common to two triangles that meet: amid their crossings, or where they are nearest."""
     crossings = [*_crossings(one, other), *_crossings(other, one)]
     if not crossings:
-        return _coplanar_point(one, other)
+        return _nearest_point(one, other)
     total = ZERO
     for crossing in crossings:
         total = add(total, crossing)
     return scale(1.0 / len(crossings), total)
 
 
-def _coplanar_point(one: Triangle, other: Triangle) -> Vector:
-    """Return a corner of one triangle over the other, or else the nearest point of any edge to an edge of the other."""
-    for corners, face in ((one, other), (other, one)):
-        for corner in corners:
-            if _over(corner, face):
-                return corner
-    pairs = [(one[a], one[b], other[c], other[d]) for a, b in _EDGES for c, d in _EDGES]
-    return min((_nearest_on_edges(*pair) for pair in pairs), key=lambda found: found[0])[1]
+def _nearest_point(one: Triangle, other: Triangle) -> Vector:
+    """Return where triangles that do not cross are nearest: a corner over a face, or a point of an edge at an edge.
+
+    Those that meet lie in one plane, or one only touches the other, to rounding.
+    """
+    found = [
+        (_height(corner, face), corner)
+        for corners, face in ((one, other), (other, one))
+        for corner in corners
+        if _over(corner, face)
+    ]
+    found += [_nearest_on_edges(one[a], one[b], other[c], other[d]) for a, b in _EDGES for c, d in _EDGES]
+    return min(found, key=lambda near: near[0])[1]
 
 
 def _nearest_on_edges(p: Vector, q: Vector, r: Vector, s: Vector) -> tuple[float, Vector]:
@@ -75,6 +80,12 @@ def _crossings(edges_of: Triangle, face: Triangle) -> list[Vector]:
         if _over(point, face):
             found.append(point)
     return found
+
+
+def _height(point: Vector, face: Triangle) -> float:
+    """Return the distance (m) of a point from a triangle's plane."""
+    normal = cross(subtract(face[1], face[0]), subtract(face[2], face[0]))
+    return abs(dot(subtract(point, face[0]), normal)) / norm(normal)
 
 
 def _over(point: Vector, face: Triangle) -> bool:

@@ -211,6 +211,30 @@ def test_coplanar_triangles_meet_in_a_point_of_both():
     assert met > 50
 
 
+def test_triangles_that_only_touch_meet_in_a_point_of_both():
+    """A plane through one point of both, of a corner, an edge or a face, has each on a side of its own, to rounding."""
+    rng = np.random.default_rng(7)
+    for _ in range(600):
+        turn, place = Rotation.random(rng=rng).as_matrix(), rng.normal(size=3)
+        below, above = (standing_on_zero(rng, side) @ turn.T + place for side in (-1.0, 1.0))
+        point = np.array(meeting_point(triangle(below), triangle(above)))
+        assert max(distance_to(point, below), distance_to(point, above)) < 1e-13
+
+
+def standing_on_zero(rng, side) -> np.ndarray:
+    """Return a triangle on one side (-1, 1) of z = 0, with a corner, an edge or all of it in that plane, at 0."""
+    corners = rng.normal(size=(3, 3))
+    corners[:, 2] = side * np.abs(corners[:, 2])
+    flat = int(rng.integers(1, 4))
+    corners[:flat, 2] = 0.0
+    weights = rng.dirichlet(np.ones(flat)) if rng.random() < 0.7 else np.eye(flat)[0]
+    return corners - weights @ corners[:flat]
+
+
+def distance_to(point, corners) -> float:
+    return float(separation(np.moveaxis(np.tile(point, (1, 3, 1)), 2, 0), np.moveaxis(corners[None], 2, 0))[0])
+
+
 def triangle(corners) -> Triangle:
     (a, b, c), (d, e, f), (g, h, i) = corners.tolist()
     return (a, b, c), (d, e, f), (g, h, i)
