@@ -6,10 +6,24 @@ A ball looks the same however it turns, so that its middle's motion alone counts
 from __future__ import annotations
 
 from math import inf
+from typing import NamedTuple
 
 from .bounds import RELATIVE_ROUNDING, time_bound
 from .relative import Approach
 from .vector import Vector, dot, norm, scale, subtract, unit
+
+
+class Gap(NamedTuple):
+    """A slab's width (m), how fast (m/s) it shrinks now, and above how fast (m/s^2) that grows until the horizon."""
+
+    width: float
+    closing: float
+    bend: float
+
+    def lasts(self, spare: float) -> float:
+        """Return how long (s) it stays wider than `spare` m; errs low."""
+        left = self.width - spare
+        return time_bound(left, self.closing, self.bend) * (1.0 - RELATIVE_ROUNDING) if left > 0.0 else 0.0
 
 
 class BallSlab:
@@ -41,29 +55,21 @@ class BallSlab:
         speed = norm(closing)
         nearest = dot(apart, closing) / speed**2 if speed > 0.0 else 0.0
         meeting = subtract(apart, scale(min(max(0.0, nearest), self.horizon), closing))
-        slabs = (self._across(unit(way), apart, closing) for way in (apart, meeting))
-        self._width, self._closing, self._bend = max(slabs, key=lambda slab: (self._lasts(slab, beyond), -slab[1]))
+        gaps = (self._across(unit(way), apart, closing) for way in (apart, meeting))
+        self._gap = max(gaps, key=lambda gap: (min(gap.lasts(beyond), self.horizon), -gap.closing))
 
     def sleep(self, spare: float) -> float:
         """Return how long (s, <= horizon) the slab stays wider than `spare` m; errs low."""
-        slab = self._width, self._closing, self._bend
-        return self._lasts(slab, spare)
+        return min(self._gap.lasts(spare), self.horizon)
 
     def clearance(self, duration: float) -> float:
         """Return a lower bound (m) on the distance over the next `duration` s, -inf past the horizon."""
         if duration > self.horizon:
             return -inf
-        lost = max(0.0, self._closing * duration + 0.5 * self._bend * duration**2)
-        return self._width - lost * (1.0 + RELATIVE_ROUNDING)
+        lost = max(0.0, self._gap.closing * duration + 0.5 * self._gap.bend * duration**2)
+        return self._gap.width - lost * (1.0 + RELATIVE_ROUNDING)
 
-    def _across(self, way: Vector, apart: Vector, closing: Vector) -> tuple[float, float, float]:
-        """Return the width (m) of the slab across a unit vector, how fast (m/s) that shrinks, and how much faster."""
+    def _across(self, way: Vector, apart: Vector, closing: Vector) -> Gap:
+        """Return the gap between the balls along a unit vector."""
         bend = dot(way, self._near.steady) + self._near.varying.reach(way)
-        return dot(way, apart) - self._lost, dot(way, closing) + self._slack, max(0.0, bend)
-
-    def _lasts(self, slab: tuple[float, float, float], spare: float) -> float:
-        """Return how long (s, <= horizon) a slab stays wider than `spare` m."""
-        width, closing, bend = slab
-        left = width - spare
-        lasts = time_bound(left, closing, bend) * (1.0 - RELATIVE_ROUNDING) if left > 0.0 else 0.0
-        return min(lasts, self.horizon)
+        return Gap(dot(way, apart) - self._lost, dot(way, closing) + self._slack, max(0.0, bend))
