@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from .ball_slab import BallSlab
+from collections.abc import Callable
+from math import inf
+from typing import Generic, TypeVar
+
 from .bounds import shortened, spendable
-from .directional import Slabs
 from .events import Bound
 from .pair import Measurement, Pair
 from .relative import Proof
-from .slab import Slab
 
 #: The directional bound is asked where the others allow fewer than this many steps of the floor.
 STEPS_TOO_FEW = 16.0
@@ -19,6 +20,30 @@ WHOLE_SUFFICES = 2.0
 #: Those look ahead between so many times as far: farther, more triangles are within reach.
 LEAST_LOOKAHEAD, MOST_LOOKAHEAD = 2.0, 32.0
 
+BoundT = TypeVar("BoundT")
+
+
+class Ahead(Generic[BoundT]):
+    """A bound from one measurement on, made when it is asked for, and anew when it is asked for farther ahead."""
+
+    def __init__(self, make: Callable[[float], BoundT]) -> None:
+        """Take what makes the bound for so many seconds ahead."""
+        self._make = make
+        self._looked = -inf
+        self._bound: BoundT
+
+    @property
+    def known(self) -> BoundT | None:
+        """What was made last, None before anything was."""
+        return self._bound if self._looked > -inf else None
+
+    def until(self, duration: float) -> BoundT:
+        """Return the bound for the next `duration` s, or longer."""
+        if duration > self._looked:
+            self._bound = self._make(duration)
+            self._looked = duration
+        return self._bound
+
 
 class Outlook:
     """The bounds that hold from one measurement of a pair on."""
@@ -28,10 +53,10 @@ class Outlook:
         self._pair = pair
         self._measurement = measurement
         self._keeps = keeps
-        self._balls: BallSlab | None = None
-        self._slab: Slab | None = None
-        self._slabs: Slabs | None = None
-        self._looked = self._looked_whole = self._looked_between_balls = 0.0  # s ahead
+        exact = measurement.proximity is not None
+        self._balls = Ahead(lambda duration: pair.ball_slab(measurement, duration, keeps))
+        self._slab = Ahead(lambda duration: pair.slab(measurement, duration, keeps) if exact else None)
+        self._slabs = Ahead(lambda duration: pair.slabs(measurement, duration, keeps) if exact else None)
 
     def sleep(self, horizon: float, floor: float) -> tuple[float, Bound]:
         """Return the longest sleep (s, <= horizon) proved to keep the bodies apart, and the bound that allows it.
@@ -41,7 +66,7 @@ class Outlook:
             floor: s, the least step that will be taken.
         """
         here = self._measurement
-        balls = self._between_balls(horizon).sleep(self._keeps)
+        balls = self._balls.until(horizon).sleep(self._keeps)
         if balls >= horizon:
             return horizon, Bound.DIRECTIONAL
         spare = max(0.0, spendable(here.clearance) - self._keeps)  # as `proof` has it
@@ -62,32 +87,21 @@ class Outlook:
         here, motion = self._measurement, self._pair.motion
         duration = after.time - here.time
         proof = motion.proof(here.moments, here.clearance, duration, after.clearance)
-        if self._slab is None and self._slabs is None and proof.clearance <= self._keeps:
-            self._whole(duration)
-            self._look(duration)
-        parted = self._between_balls(duration).clearance(duration)
-        if self._slab is not None:
-            parted = max(parted, self._slab.clearance(duration))
-        if self._slabs is not None:
-            parted = max(parted, self._slabs.clearance(duration, motion.displacement(here.moments, duration)))
+        if self._slab.known is None and self._slabs.known is None and proof.clearance <= self._keeps:
+            self._slab.until(duration)
+            self._slabs.until(duration)
+        parted = self._balls.until(duration).clearance(duration)
+        if self._slab.known is not None:
+            parted = max(parted, self._slab.known.clearance(duration))
+        if self._slabs.known is not None:
+            displaced = motion.displacement(here.moments, duration)
+            parted = max(parted, self._slabs.known.clearance(duration, displaced))
         return Proof(max(proof.clearance, min(parted, here.clearance)), proof.depth_limit)
-
-    def _between_balls(self, duration: float) -> BallSlab:
-        """Return the slab between the bodies' balls, looking at least `duration` s ahead."""
-        if self._balls is None or duration > self._looked_between_balls:
-            self._balls = self._pair.ball_slab(self._measurement, duration, self._keeps)
-            self._looked_between_balls = duration
-        return self._balls
 
     def _whole(self, duration: float) -> float:
         """Return how long (s) a slab between the whole bodies lasts, looking `duration` s ahead; 0 without one."""
-        here = self._measurement
-        if here.proximity is None:
-            return 0.0
-        if self._slab is None or duration > self._looked_whole:
-            self._slab = self._pair.slab(here, duration, self._keeps)
-            self._looked_whole = duration
-        return min(duration, self._slab.sleep(self._keeps))
+        slab = self._slab.until(duration)
+        return 0.0 if slab is None else min(duration, slab.sleep(self._keeps))
 
     def _between_triangles(self, horizon: float, cheap: float) -> float:
         """Return how long (s, <= horizon) slabs between the triangles last; `cheap` s are known to.
@@ -96,7 +110,7 @@ class Outlook:
         """
         factor = self._pair.lookahead
         ahead = min(horizon, factor * cheap)
-        slabs = self._look(ahead)
+        slabs = self._slabs.until(ahead)
         if slabs is None:
             self._pair.lookahead = max(LEAST_LOOKAHEAD, 0.5 * factor)
             return 0.0
@@ -104,11 +118,3 @@ class Outlook:
         if lasts >= 0.9 * ahead:
             self._pair.lookahead = min(MOST_LOOKAHEAD, 2.0 * factor)
         return lasts
-
-    def _look(self, duration: float) -> Slabs | None:
-        """Return the slabs for the next `duration` s; None where only spheres were measured, or for too many."""
-        here = self._measurement
-        if here.proximity is not None and duration > self._looked:
-            self._slabs = self._pair.slabs(here, duration, self._keeps)
-            self._looked = duration
-        return self._slabs
