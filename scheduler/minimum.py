@@ -7,7 +7,7 @@ only while it provably stays above a target: the least distance measured so far,
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Generator, Iterator
 from math import inf
 
 from .events import Bound, Distance, Reason, Verdict, Wakeup
@@ -115,12 +115,8 @@ class LeastDistance:
 
     def _probe(self, time: float) -> Generator[Found, None, float]:
         """Measure the distance (m) at a time, whatever was before and comes after."""
-        self._left -= 1
-        measurement = self._pair.measure_exactly(time)
-        self.upper = min(self.upper, measurement.above)
-        if (distance := self._pair.distance(measurement)) is not None:
-            yield distance
-        yield Wakeup(time, self._pair.key, Reason.MINIMUM, measurement.level, Bound.NONE, measurement.clearance, 0.0)
+        measurement = self._measured(time, inf)
+        yield from self._told(measurement, Bound.NONE, 0.0)
         return measurement.above
 
     def _advance(self, time: float, end: float) -> Generator[Found, None, bool]:
@@ -130,7 +126,7 @@ class LeastDistance:
         """
         while True:
             target = self.target
-            measurement = self._measured(time)
+            measurement = self._measured(time, SPHERES_SUFFICE * target)
             if measurement.above < target:
                 yield from self._descend(time, end)
             stop = min(end, self._pair.motion.stop_after(time))  # joined stretches may hold jumps
@@ -138,9 +134,7 @@ class LeastDistance:
             sleep, bound = 0.0, Bound.NONE
             if time < end:
                 sleep, bound = Outlook(self._pair, measurement, self.target).sleep(ahead, self._floor)
-            if (distance := self._pair.distance(measurement)) is not None:
-                yield distance
-            yield Wakeup(time, self._pair.key, Reason.MINIMUM, measurement.level, bound, measurement.clearance, sleep)
+            yield from self._told(measurement, bound, sleep)
             if time >= end:
                 return True
             woken = stop if sleep >= ahead else min(time + sleep, stop)
@@ -148,9 +142,16 @@ class LeastDistance:
                 return False
             time = woken
 
-    def _measured(self, time: float) -> Measurement:
-        """Measure the pair, exactly where bounding spheres leave little more than the target to sleep on."""
+    def _measured(self, time: float, far: float) -> Measurement:
+        """Measure the pair, by bounding spheres where they are farther apart than `far` m."""
         self._left -= 1
-        measurement = self._pair.measure_beyond(time, SPHERES_SUFFICE * self.target)
+        measurement = self._pair.measure_beyond(time, far)
         self.upper = min(self.upper, measurement.above)
         return measurement
+
+    def _told(self, measurement: Measurement, bound: Bound, sleep: float) -> Iterator[Found]:
+        """Yield a measurement, and the sleep (s) that a bound allows after it."""
+        if (distance := self._pair.distance(measurement)) is not None:
+            yield distance
+        time, level, clearance = measurement.time, measurement.level, measurement.clearance
+        yield Wakeup(time, self._pair.key, Reason.MINIMUM, level, bound, clearance, sleep)

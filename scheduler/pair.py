@@ -124,13 +124,13 @@ class Pair:
             return Measurement(t, moments, Level.SPHERE, clearance, inf, self.margin, None)
         return self._measured_exactly(t, moments)
 
+    def measure_exactly(self, t: float) -> Measurement:
+        """Measure the same, but never by bounding spheres alone."""
+        return self.measure_beyond(t, inf)
+
     def far(self, clearance: float) -> bool:
         """Tell whether a clearance (m) by bounding spheres says enough of a pair."""
         return clearance - self.margin > SPHERES_SUFFICE * self._radii
-
-    def measure_exactly(self, t: float) -> Measurement:
-        """Measure the same, but never by bounding spheres alone."""
-        return self._measured_exactly(t, self.motion.at(t))
 
     def _measured_exactly(self, t: float, moments: Moments) -> Measurement:
         if self._round:
@@ -184,7 +184,6 @@ class Pair:
         proximity = measurement.proximity
         assert proximity is not None
         direction = unit(subtract(proximity.witness_b, proximity.witness_a))
-        slack += self.motion.growth_speed(measurement.time)
         return Slabs(found, twists, direction, self.error + spread, reach, near, slack)
 
     def slab(self, measurement: Measurement, duration: float, beyond: float) -> Slab:
@@ -209,7 +208,6 @@ class Pair:
         features = proximity.feature_a(), proximity.feature_b()
         nearest = self._narrow_phase.corners(self._a, self._b, moments.a.pose, moments.b.pose, features)
         error = self.error + self.motion.spread(measurement.time)
-        slack += self.motion.growth_speed(measurement.time)
         return Slab(one, other, nearest, error, beyond, near, slack)
 
     def ball_slab(self, measurement: Measurement, duration: float, beyond: float) -> BallSlab:
@@ -226,7 +224,6 @@ class Pair:
         centre = translation_of(moments.a.pose)
         closing = subtract(one.of(subtract(moments.a.centre, centre)), other.of(subtract(moments.b.centre, centre)))
         taken = self._radii + self.motion.spread(t) + self.error
-        slack += self.motion.growth_speed(t)
         return BallSlab(subtract(moments.b.centre, moments.a.centre), taken, closing, beyond, near, slack)
 
     def overlaps(self, measurement: Measurement, duration: float) -> Overlaps | None:
@@ -249,10 +246,14 @@ class Pair:
         return self._narrow_phase.triangles_within(self._a, self._b, moments.a.pose, moments.b.pose, reach, some)
 
     def _twists(self, moments: Moments) -> tuple[tuple[Twist, Twist], float]:
-        """Return how both bodies move, as seen from the first one's place, and by how much (m/s) that may be wrong."""
+        """Return how both bodies move, as seen from the first one's place, and by how much (m/s) that may be wrong.
+
+        Balls that grow are wrong by how fast they do.
+        """
         centre = translation_of(moments.a.pose)
         a, b = moments.a.twist, moments.b.twist
         slack = CANCELLATION * (self.motion.a.fastest(a) + self.motion.b.fastest(b))
+        slack += self.motion.growth_speed(moments.time)
         one, other = (twist._replace(origin=subtract(twist.origin, centre)) for twist in (a, b))
         return (one, other), slack
 
