@@ -20,15 +20,13 @@ from .chain import Twist
 from .nearby import NearTriangles
 from .relative import Approach
 from .rotation import FloatArray, crossed
-from .segments import ways_between
+from .segments import sides_of, ways_between
 from .vector import Vector
 
 #: Vectors shorter than this (m, m^2) point nowhere. Longer ones that are noise do no harm: each gap is measured anew.
 SHORTEST = 1e-150
 #: So many pairs of triangles get directions of their own at first; twice as many each time that is not enough.
 FIRST_PAIRS = 64
-#: The next corner of each.
-NEXT = [1, 2, 0]
 #: Directions of a pair's own: two normals, nine cross products of edges, the way between the nearest points.
 OWN_DIRECTIONS = 12
 
@@ -153,7 +151,7 @@ def axes_between(one: FloatArray, other: FloatArray) -> FloatArray:
     The separating axes of two triangles (k, 3, 3): their normals and the cross products of their edges; and for their
     corners the way between the nearest points.
     """
-    sides, others = one[:, NEXT] - one, other[:, NEXT] - other
+    sides, others = sides_of(one), sides_of(other)
     normals = np.stack((crossed(sides[:, 0], sides[:, 1]), crossed(others[:, 0], others[:, 1])), axis=1)
     crosses = crossed(sides[:, :, None], others[:, None, :]).reshape(-1, 9, 3)
     across = _between_nearest_points(one, other, sides, others)

@@ -21,6 +21,7 @@ from .directional import SHORTEST, roots, units
 from .nearby import NearTriangles
 from .relative import Approach
 from .rotation import FloatArray, crossed
+from .segments import sides_of
 from .sliver import EPSILON
 
 #: Planes through computed corners may miss P by this many eps times its size and how flat its triangles are.
@@ -85,7 +86,7 @@ def proper(near: NearTriangles) -> NearTriangles:
 
 def _meeting(near: NearTriangles, thickness: FloatArray) -> NearTriangles:
     """Leave out pairs (k,) that the plane of either triangle parts by more than `thickness` (k,) m."""
-    sides = [np.roll(corners, -1, axis=1) - corners for corners in (near.one, near.other)]
+    sides = [sides_of(near.one), sides_of(near.other)]
     normals = np.stack([units(crossed(side[:, 0], side[:, 1])) for side in sides], axis=2)  # (k, 3, 2)
     one, other = near.one @ normals, near.other @ normals
     apart = np.maximum(other.min(axis=1) - one.max(axis=1), one.min(axis=1) - other.max(axis=1)).max(axis=1)
@@ -98,7 +99,7 @@ def _directions(near: NearTriangles) -> FloatArray:
     The normals of both triangles, the cross products of their edges, and those of edges and normals, which also cut off
     where two planes meet at a sharp edge; each to both sides.
     """
-    sides = np.concatenate([np.roll(corners, -1, axis=1) - corners for corners in (near.one, near.other)], axis=1)
+    sides = np.concatenate([sides_of(near.one), sides_of(near.other)], axis=1)
     normals = _across(sides[:, [0, 3]], sides[:, [1, 4]])
     crosses = _across(sides[:, :3, None], sides[:, None, 3:]).reshape(-1, 9, 3)
     borders = _across(sides[:, :, None], normals[:, None]).reshape(-1, 12, 3)
@@ -119,7 +120,7 @@ def _across(one: FloatArray, other: FloatArray) -> FloatArray:
 
 def _heights(corners: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the least heights and the longest sides (k,) m of triangles (k, 3, 3)."""
-    sides = np.roll(corners, -1, axis=1) - corners
+    sides = sides_of(corners)
     longest = np.linalg.norm(sides, axis=2).max(axis=1)
     doubled = np.linalg.norm(crossed(sides[:, 0], sides[:, 1]), axis=1)
     return np.divide(doubled, longest, out=np.zeros_like(longest), where=longest > SHORTEST), longest

@@ -1,4 +1,4 @@
-"""Segments against segments, many at a time."""
+"""The sides of triangles, and segments against segments, many at a time."""
 
 from __future__ import annotations
 
@@ -8,6 +8,14 @@ from .rotation import FloatArray
 
 #: Segments whose directions differ by less (the squared sine) count as parallel.
 PARALLEL = 1e-12
+#: The next corner of each.
+NEXT = [1, 2, 0]
+
+
+def sides_of(triangles: FloatArray) -> FloatArray:
+    """Return the sides (k, 3, 3) m of triangles (k, 3, 3) m, from each corner to the next."""
+    sides: FloatArray = triangles[:, NEXT] - triangles
+    return sides
 
 
 def ways_between(p: FloatArray, d: FloatArray, q: FloatArray, e: FloatArray) -> FloatArray:

@@ -6,6 +6,7 @@ import numpy as np
 
 from .rotation import FloatArray
 from .scene import IntArray, Mesh
+from .segments import sides_of
 
 EPSILON = float(np.finfo(float).eps)
 #: A triangle whose height is below this share of its longest side is taken for that side: its normal is noise.
@@ -26,7 +27,7 @@ def without_slivers(mesh: Mesh) -> tuple[IntArray, float]:
     """
     triangles = mesh.triangles.copy()
     corners = mesh.vertices[triangles]
-    sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
+    sides = np.linalg.norm(sides_of(corners), axis=2)
     longest = sides.max(axis=1)
     heights = _heights(corners, longest)
     thin = (heights <= THINNEST * longest) | (heights * longest < SMALLEST)
