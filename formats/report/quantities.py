@@ -5,6 +5,8 @@ from __future__ import annotations
 from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context, Decimal
 from math import ceil, log10
 
+from ..log.clock import seconds_told
+
 _UNITS = (("km", 1e3, 1e4), ("m", 1.0, 1.0), ("mm", 1e-3, 1e-3), ("µm", 1e-6, 1e-6), ("nm", 1e-9, 0.0))
 """Of lengths: name, m, and from how many m on."""
 
@@ -32,8 +34,7 @@ def at_most(metres: float) -> str:
 
 def moment(seconds: float) -> str:
     """Return a time, s, in six digits, or in whole microseconds where those are more."""
-    digits = len(str(int(abs(seconds)))) + 6 if abs(seconds) >= 1e5 else 6
-    return f"{seconds:.{digits}g} s"
+    return f"{seconds_told(seconds)} s"
 
 
 def interval(start: float, end: float) -> str:
