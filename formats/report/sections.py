@@ -38,13 +38,13 @@ _BOUNDS = {
     "": "none: the last look, or a contact",
 }
 
-VERDICTS = {
-    "contact": ("contact", "They touch: measured at both inner ends; a shorter gap than a time resolution may hide."),
-    "breach": ("breach", "Proved free of contact, but nearer than the pair's margin."),
-    "unresolved": ("unresolved", "Neither contact nor clearance could be proved."),
-    "possible": ("possible", "The path of a body is unknown: contact cannot be excluded."),
-    "near": ("near", "Proved clear, and nearer than the distance chosen here."),
-    "clear": ("clear", "Proved: no point is shared at any instant, and the margin is kept."),
+_MEANINGS = {
+    "contact": "They touch: measured at both inner ends; a shorter gap than a time resolution may hide.",
+    "breach": "Proved free of contact, but nearer than the pair's margin.",
+    "unresolved": "Neither contact nor clearance could be proved.",
+    "possible": "The path of a body is unknown: contact cannot be excluded.",
+    "near": "Proved clear, and nearer than the distance chosen here.",
+    "clear": "Proved: no point is shared at any instant, and the margin is kept.",
 }
 
 
@@ -69,8 +69,8 @@ def legend() -> str:
     """Return what the colours and patterns of the map mean."""
     items = (
         f'<li title="{escape(meaning)}"><canvas class="swatch" data-class="{name}" width="32" height="16"></canvas>'
-        f"{word}</li>"
-        for name, (word, meaning) in VERDICTS.items()
+        f"{name}</li>"
+        for name, meaning in _MEANINGS.items()
     )
     return f'<ul class="legend">{"".join(items)}</ul>'
 
@@ -154,7 +154,7 @@ def provenance(gathered: Gathered) -> str:
 
 def guarantees() -> str:
     """Return what each verdict says is proved."""
-    rows = [(_badge(name), escape(meaning)) for name, (_, meaning) in VERDICTS.items() if name != "near"]
+    rows = [(_badge(name), escape(meaning)) for name, meaning in _MEANINGS.items() if name != "near"]
     return _table(("Verdict", "What is certain"), rows)
 
 

@@ -5,7 +5,8 @@ const CLASS = Object.fromEntries(CLASSES.map((name, index) => [name, index]));
 
 // How much of a row's height a class takes, so that it is told by more than its colour.
 const HEIGHTS = { nothing: 0, clear: 0.25, near: 0.5, possible: 0.7, unresolved: 0.8, breach: 0.9, contact: 1 };
-const STRIPES = { possible: [1, 0], unresolved: [1, 1], breach: [1, -1] };
+// How far stripes lean to the right, in heights of theirs.
+const STRIPES = { possible: 0, unresolved: 1, breach: -1 };
 const STRIPE_PIXELS = 5;
 
 const probe = document.createElement("span");
@@ -34,8 +35,7 @@ function paintClass(context, kind, x, top, width, rowHeight) {
   const y = Math.round(top + (rowHeight - height) / 2);
   context.fillStyle = palette[name];
   context.fillRect(x, y, width, height);
-  const stripe = STRIPES[name];
-  if (!stripe || width < STRIPE_PIXELS) return;
+  if (!(name in STRIPES) || width < STRIPE_PIXELS) return;
   context.save();
   context.beginPath();
   context.rect(x, y, width, height);
@@ -44,9 +44,8 @@ function paintClass(context, kind, x, top, width, rowHeight) {
   context.lineWidth = 1.5;
   context.beginPath();
   for (let at = x - (x % STRIPE_PIXELS) - height; at < x + width + height; at += STRIPE_PIXELS) {
-    const lean = stripe[1] * height;
     context.moveTo(at, y + height);
-    context.lineTo(at + lean, y);
+    context.lineTo(at + STRIPES[name] * height, y);
   }
   context.stroke();
   context.restore();
