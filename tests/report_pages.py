@@ -1,7 +1,8 @@
-"""Logs made for the tests of the report's page: names that would run if they were not escaped."""
+"""What tests of the report share: a page taken apart, and logs whose names would run if they were not escaped."""
 
 from __future__ import annotations
 
+from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,31 @@ HOSTILE = (
 )
 
 WARNING = "mesh <b>plate</b> is open"
+
+
+class Parsed(HTMLParser):
+    """A page's elements and text, the text of scripts and styles apart."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.elements: list[tuple[str, dict[str, str | None]]] = []
+        self.text = ""
+        self.apart: dict[str, list[str]] = {"script": [], "style": []}
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.elements.append((tag, dict(attrs)))
+        if tag in self.apart:
+            self.apart[tag].append("")
+
+    def handle_data(self, data: str) -> None:
+        if self.cdata_elem in self.apart:
+            self.apart[self.cdata_elem][-1] += data
+        else:
+            self.text += data
+
+    def count(self, tag: str) -> int:
+        return sum(name == tag for name, _ in self.elements)
 
 
 def hostile_log(path: Path) -> None:

@@ -10,53 +10,20 @@ import os
 import re
 import subprocess
 import sys
-from decimal import Decimal
-from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from cli_process import SPHERES, closecall
-from hypothesis import given
-from hypothesis import strategies as st
 from mcap.reader import make_reader
-from report_pages import HOSTILE, WARNING, hostile_log, made_up
+from report_pages import HOSTILE, WARNING, Parsed, hostile_log
 
-from closecall.formats.log.found import Found
 from closecall.formats.report.gathering import gather
 from closecall.formats.report.page import page
-from closecall.formats.report.quantities import at_least, at_most, interval
-from closecall.formats.report.wording import headline, proof, sentences
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "formats" / "report" / "page"
-UNITS = {"km": Decimal(1000), "m": Decimal(1), "mm": Decimal("1e-3"), "µm": Decimal("1e-6"), "nm": Decimal("1e-9")}
-
-
-class Parsed(HTMLParser):
-    """A page's elements and text, the text of scripts and styles apart."""
-
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.elements: list[tuple[str, dict[str, str | None]]] = []
-        self.text = ""
-        self.apart: dict[str, list[str]] = {"script": [], "style": []}
-        self.feed(text)
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.elements.append((tag, dict(attrs)))
-        if tag in self.apart:
-            self.apart[tag].append("")
-
-    def handle_data(self, data: str) -> None:
-        if self.cdata_elem in self.apart:
-            self.apart[self.cdata_elem][-1] += data
-        else:
-            self.text += data
-
-    def count(self, tag: str) -> int:
-        return sum(name == tag for name, _ in self.elements)
 
 
 def block(text: str) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -244,75 +211,6 @@ def test_bodies_are_replayed_where_they_are(text: str) -> None:
         assert places[:, 0] - places[0, 0] == pytest.approx(speed * times, abs=1e-5)
     (left, right) = (facts["replay"]["bodies"][index]["parts"][0]["size"] for index in range(2))
     assert (left, right) == ([1.0] * 3, [0.5] * 3)  # diameters
-
-
-def test_of_several_verdicts_each_is_told_as_what_it_is() -> None:
-    pairs = [
-        made_up("a", "b", "clear", 0.9, 1.0, 2.0),
-        made_up("a", "c", "unresolved", 0.0, 0.5, 3.0, unresolved=[[2.9, 3.1]]),
-        made_up("b", "c", "breach", 0.7, 0.8, 1.0, margin=0.85, breaches=[[0.5, 1.5]]),
-    ]
-    summary = summary_of(*pairs)
-    assert headline(summary) == "1 of 3 pairs comes nearer than the margin."
-    told = plain(" ".join(sentences(Found(summary), {})))
-    assert "1 not resolved" in told
-    assert "Closest: a | c, 500 mm at 3 s (its least distance is not proved to be above 0)." in told
-    assert proof(pairs[1], []).startswith("Not proved: contact is neither found nor excluded in 2.9 to 3.1 s")
-    assert proof(pairs[2], []).startswith("No contact: never nearer than 700 mm; within the margin of 850 mm")
-
-
-def test_a_pair_that_may_come_nearer_than_the_closest_is_told() -> None:
-    pairs = [made_up("a", "b", "clear", 0.9, 1.0, 2.0), made_up("a", "c", "clear", 0.25, None, None)]
-    told = plain(" ".join(sentences(Found(summary_of(*pairs)), {})))
-    assert "Closest: a | b, 1 m at 2 s (proved to lie between 900 mm and 1 m)." in told
-    assert "As near or nearer may come a | c, proved to stay 250 mm apart." in told
-    pairs[1]["distance"]["lower"] = 1.5
-    assert "nearer may come" not in plain(" ".join(sentences(Found(summary_of(*pairs)), {})))
-
-
-def test_pairs_that_boxes_cleared_are_counted_and_no_distance_is_claimed() -> None:
-    summary = summary_of(made_up("a", "b", "clear", 0.9, 1.0, 2.0), total=5)
-    assert headline(summary).startswith("All 5 pairs stay clear, which is proved for every instant")
-    told = "4 pairs stayed clear by boxes that never meet: how near they come is not told, so one may come closer."
-    assert told in sentences(Found(summary), {})
-
-
-def summary_of(*pairs: Any, total: int | None = None) -> Any:
-    counts = dict.fromkeys(("contact", "breach", "unresolved", "possible", "clear"), 0)
-    total = len(pairs) if total is None else total
-    for pair in pairs:
-        counts[pair["verdict"]] += 1
-    counts["clear"] += total - len(pairs)
-    return {"pairs": list(pairs), "pairs_total": total, "time": [0.0, 4.0], "totals": {"pairs": counts}}
-
-
-def plain(html: str) -> str:
-    return Parsed(html).text
-
-
-def metres(text: str) -> Decimal:
-    if text == "0":
-        return Decimal(0)
-    number, unit = text.split(" ")
-    return Decimal(number) * UNITS[unit]
-
-
-@given(st.floats(0.0, 1e12))
-def test_bounds_in_words_stay_true(value: float) -> None:
-    low, high = metres(at_least(value)), metres(at_most(value))
-    assert low <= Decimal(repr(value)) <= high
-    assert high - low <= Decimal(repr(value)) * Decimal("1.1e-3")
-
-
-@given(st.floats(-1e9, 1e9), st.floats(1e-9, 1e3), st.booleans())
-def test_brackets_in_words_hold_the_bracket(start: float, length: float, forward: bool) -> None:
-    end = start + length
-    if end == start:
-        return
-    first, last = interval(*((start, end) if forward else (end, start))).removesuffix(" s").split(" to ")
-    low, high = (Decimal(first), Decimal(last)) if forward else (Decimal(last), Decimal(first))
-    assert low <= Decimal(repr(start)) < Decimal(repr(end)) <= high
-    assert high - low <= Decimal("1.3") * (Decimal(end) - Decimal(start)) + Decimal("0.002")
 
 
 def test_the_libraries_are_those_that_were_built() -> None:
