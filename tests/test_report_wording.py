@@ -11,7 +11,7 @@ from report_pages import Parsed, made_up
 
 from closecall.formats.log.found import Found
 from closecall.formats.report.quantities import at_least, at_most, interval
-from closecall.formats.report.wording import headline, proof, sentences
+from closecall.formats.report.wording import headline, nearest, proof, sentences
 
 UNITS = {"km": Decimal(1000), "m": Decimal(1), "mm": Decimal("1e-3"), "µm": Decimal("1e-6"), "nm": Decimal("1e-9")}
 
@@ -26,7 +26,7 @@ def test_of_several_verdicts_each_is_told_as_what_it_is() -> None:
     assert headline(summary) == "1 of 3 pairs comes nearer than the margin."
     told = plain(" ".join(sentences(Found(summary), {})))
     assert "1 not resolved" in told
-    assert "Closest: a | c, 500 mm at 3 s (its least distance is not proved to be above 0)." in told
+    assert "Closest: a | c, measured 500 mm apart at 3 s (its least distance is not proved to be above 0)." in told
     assert proof(pairs[1], []).startswith("Not proved: contact is neither found nor excluded in 2.9 to 3.1 s")
     assert proof(pairs[2], []).startswith("No contact: never nearer than 700 mm; within the margin of 850 mm")
 
@@ -34,10 +34,52 @@ def test_of_several_verdicts_each_is_told_as_what_it_is() -> None:
 def test_a_pair_that_may_come_nearer_than_the_closest_is_told() -> None:
     pairs = [made_up("a", "b", "clear", 0.9, 1.0, 2.0), made_up("a", "c", "clear", 0.25, None, None)]
     told = plain(" ".join(sentences(Found(summary_of(*pairs)), {})))
-    assert "Closest: a | b, 1 m at 2 s (proved to lie between 900 mm and 1 m)." in told
+    measured = "Closest: a | b, measured 1 m apart at 2 s (its least distance is proved to lie between 900 mm and 1 m)."
+    assert measured in told
     assert "As near or nearer may come a | c, proved to stay 250 mm apart." in told
     pairs[1]["distance"]["lower"] = 1.5
     assert "nearer may come" not in plain(" ".join(sentences(Found(summary_of(*pairs)), {})))
+
+
+def test_that_no_other_pair_comes_nearer_is_told_where_it_is_proved_and_nowhere_else() -> None:
+    pairs = [made_up("a", "b", "clear", 0.9, 1.0, 2.0), made_up("a", "c", "clear", 1.0, None, None)]
+    assert told_of(*pairs).endswith(" It is proved that no other pair comes nearer.")
+    assert "It is proved" not in told_of(*pairs, total=3)  # of the third no distance is told
+    assert "It is proved" not in told_of(pairs[0])
+    pairs[1]["distance"]["lower"] = 0.999
+    assert "It is proved" not in told_of(*pairs)
+    pairs[1]["distance"]["lower"] = 1.0
+    touching = made_up("b", "c", "contact", 0.0, 0.0, 1.0, contacts=[touch(0.999, 1.0)])
+    told = told_of(*pairs, touching)
+    assert "Closest of the others: a | b" in told
+    assert told.endswith(" It is proved that none of the others comes nearer.")
+
+
+def test_contacts_whose_brackets_overlap_are_told_together() -> None:
+    """Which of them is first is not known; what is certainly later is not among them."""
+    pairs = [
+        made_up("a", "b", "contact", 0.0, 0.0, 1.0, contacts=[touch(0.999, 1.0 + 1e-12)]),
+        made_up("a", "c", "contact", 0.0, 0.0, 1.0, contacts=[touch(0.999, 1.0)]),
+        made_up("b", "c", "contact", 0.0, 0.0, 1.0, contacts=[touch(1.0, 1.001)]),
+    ]
+    told = told_of(*pairs)
+    assert "First contact: a | c at 1 s, begin proved within" in told
+    assert told.endswith("As early or earlier may touch a | b.")
+    pairs[2]["contacts"] = [touch(0.9999, 1.001)]
+    assert told_of(*pairs).endswith("As early or earlier may touch 2 other pairs, such as a | b.")
+    assert "As early" not in told_of(pairs[1])
+    for pair in pairs:
+        pair["contacts"] = [touch(0.0, 0.0)]
+    assert told_of(*pairs).endswith("As early or earlier may touch 2 other pairs, such as a | c.")
+
+
+def test_a_measured_distance_is_told_as_measured_and_its_bounds_outwards() -> None:
+    """A clearance of 8 mm, with what rounding adds to it."""
+    pair = made_up("a", "b", "clear", 0.00792, 0.008000000000000063, 2.0)
+    assert nearest(pair) == "8 mm"
+    assert "measured 8 mm apart at 2 s (its least distance is proved to lie between 7.92 mm and 8.001 mm)" in told_of(
+        pair
+    )
 
 
 def test_pairs_that_boxes_cleared_are_counted_and_no_distance_is_claimed() -> None:
@@ -54,6 +96,14 @@ def summary_of(*pairs: Any, total: int | None = None) -> Any:
         counts[pair["verdict"]] += 1
     counts["clear"] += total - len(pairs)
     return {"pairs": list(pairs), "pairs_total": total, "time": [0.0, 4.0], "totals": {"pairs": counts}}
+
+
+def told_of(*pairs: Any, total: int | None = None) -> str:
+    return plain(" ".join(sentences(Found(summary_of(*pairs, total=total)), {})))
+
+
+def touch(clear: float, touching: float) -> Any:
+    return {"begin": [clear, touching], "end": None, "keys": {}}
 
 
 def plain(html: str) -> str:

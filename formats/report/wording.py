@@ -54,13 +54,7 @@ def sentences(found: Found, places: Mapping[str, int]) -> list[str]:
         places: of the pairs in the page, by name.
     """
     summary = found.summary
-    told = [_counts(summary)]
-    touching = [pair for pair in summary["pairs"] if pair["contacts"]]
-    if touching:
-        first = min(touching, key=lambda pair: pair["contacts"][0]["begin"][1])
-        begins = jump(places.get(first["pair"]), first["contacts"][0]["begin"][1])
-        told.append(f"First contact: {pair_name(first)} at {begins}, {contact(first, first['pair'] in found.lost)}.")
-    told += [_closest(found, bool(touching), places), _unlisted(found)]
+    told = [_counts(summary), _first_contact(found, places), _closest(found, places), _unlisted(found)]
     return [sentence for sentence in told if sentence]
 
 
@@ -70,7 +64,7 @@ def nearest(pair: PairSummary) -> str:
     if pair["verdict"] == "contact":
         return "0 (they touch)"
     if upper is not None:
-        return at_most(upper)
+        return length(upper)
     return f"above {at_least(pair['distance']['lower'])}" if pair["distance"]["lower"] > 0.0 else "not known"
 
 
@@ -143,14 +137,32 @@ def until_the_end(lost: bool) -> str:
     return "its end is not known" if lost else "to the end"
 
 
-def _closest(found: Found, others: bool, places: Mapping[str, int]) -> str:
-    """Return the pair that comes closest without touching, and whether that is proved."""
+def _first_contact(found: Found, places: Mapping[str, int]) -> str:
+    """Return the first contact that was found, and those that may be as early: their brackets overlap."""
+    touching = sorted((pair for pair in found.summary["pairs"] if pair["contacts"]), key=_touches_at)
+    if not touching:
+        return ""
+    first, *later = touching
+    time = first["contacts"][0]["begin"][1]
+    rivals = [pair for pair in later if pair["contacts"][0]["begin"][0] < time or _touches_at(pair)[0] == time]
+    told = contact(first, first["pair"] in found.lost)
+    sentence = f"First contact: {pair_name(first)} at {jump(places.get(first['pair']), time)}, {told}."
+    return f"{sentence} As early or earlier may touch {_such_as(rivals)}." if rivals else sentence
+
+
+def _touches_at(pair: PairSummary) -> tuple[float, str]:
+    """Return when, s, a pair that touches is first known to, as a sorting key."""
+    return pair["contacts"][0]["begin"][1], pair["pair"]
+
+
+def _closest(found: Found, places: Mapping[str, int]) -> str:
+    """Return the pair that was measured closest without touching, and whether that is proved."""
     summary = found.summary
-    apart = [pair for pair in summary["pairs"] if pair["verdict"] != "contact"]
+    apart = [pair for pair in summary["pairs"] if pair["verdict"] != "contact" and not pair["contacts"]]
+    others = len(apart) < len(summary["pairs"])
     measured = [pair for pair in apart if pair["distance"]["upper"] is not None]
-    title = "Closest of the others" if others else "Closest"
     if not measured:
-        lowest = min(apart, key=lambda pair: pair["distance"]["lower"], default=None)
+        lowest = min(apart, key=_lower, default=None)
         if lowest is None:
             return ""
         whose = "the others" if others else "they"
@@ -160,22 +172,32 @@ def _closest(found: Found, others: bool, places: Mapping[str, int]) -> str:
     distance = best["distance"]
     upper, time = distance["upper"] or 0.0, distance["time"] or 0.0
     between = f"proved to lie between {at_least(distance['lower'])} and {at_most(upper)}"
-    certain = between if distance["lower"] > 0.0 else "its least distance is not proved to be above 0"
-    sentence = f"{title}: {pair_name(best)}, {at_most(upper)} at {jump(places.get(best['pair']), time)} ({certain})."
-    rivals = [pair for pair in apart if pair is not best and pair["distance"]["lower"] < upper]
-    return sentence + _rivals(rivals)
+    certain = between if distance["lower"] > 0.0 else "not proved to be above 0"
+    title = "Closest of the others" if others else "Closest"
+    at = jump(places.get(best["pair"]), time)
+    sentence = f"{title}: {pair_name(best)}, measured {length(upper)} apart at {at} (its least distance is {certain})."
+    rivals = sorted((pair for pair in apart if pair is not best and pair["distance"]["lower"] < upper), key=_lower)
+    if rivals:
+        return f"{sentence} As near or nearer may come {_such_as(rivals)}, {_stays(rivals[0])}."
+    if len(apart) == 1 or summary["pairs_total"] > len(summary["pairs"]):
+        return sentence
+    return f"{sentence} It is proved that {'none of the others' if others else 'no other pair'} comes nearer."
 
 
-def _rivals(rivals: list[PairSummary]) -> str:
-    """Return which pairs are not proved to stay farther apart than the closest."""
-    if not rivals:
-        return ""
-    lowest = min(rivals, key=lambda pair: (pair["distance"]["lower"], pair["pair"]))
-    lower = lowest["distance"]["lower"]
-    proved = f"proved to stay {at_least(lower)} apart" if lower > 0.0 else "of which nothing is proved"
-    example = f"{pair_name(lowest)}, {proved}"
-    many = f"{len(rivals)} other pairs, such as " if len(rivals) > 1 else ""
-    return f" As near or nearer may come {many}{example}."
+def _lower(pair: PairSummary) -> tuple[float, str]:
+    """Return what is proved of a pair's distance, m, as a sorting key."""
+    return pair["distance"]["lower"], pair["pair"]
+
+
+def _stays(pair: PairSummary) -> str:
+    """Return how far a pair is proved to stay apart."""
+    lower = pair["distance"]["lower"]
+    return f"proved to stay {at_least(lower)} apart" if lower > 0.0 else "of which nothing is proved"
+
+
+def _such_as(pairs: Sequence[PairSummary]) -> str:
+    """Return how many other pairs there are, by the first."""
+    return (f"{len(pairs)} other pairs, such as " if len(pairs) > 1 else "") + pair_name(pairs[0])
 
 
 def _unlisted(found: Found) -> str:

@@ -154,7 +154,7 @@ class Pairs {
     if (this.verdict(pair) === "contact") return "touches";
     if (Number.isNaN(upper[pair]))
       return lower[pair] > 0 ? `above ${lengthText(lower[pair], Math.floor)}` : "not known";
-    return `${lengthText(upper[pair], Math.ceil)} at ${timeText(nearest[pair], digits)}`;
+    return `${lengthText(upper[pair])} at ${timeText(nearest[pair], digits)}`;
   }
 
   // Returns what is known of a pair at a time, in words.

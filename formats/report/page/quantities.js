@@ -1,4 +1,4 @@
-// Lengths and times in words. Bounds are rounded so that they stay true: lower ones down, upper ones up.
+// Lengths and times in words. Lower bounds are rounded down, so that they stay true.
 
 const UNITS = [
   ["km", 1e3, 1e4],
@@ -9,7 +9,7 @@ const UNITS = [
 ];
 const DIGITS = 4;
 
-// Returns a length in m as text; `round` is Math.round, Math.floor or Math.ceil.
+// Returns a length in m as text; `round` is Math.round, or Math.floor for bounds.
 function lengthText(metres, round = Math.round) {
   if (!(metres > 0)) return "0";
   const [unit, size] = UNITS.find(([, , from]) => metres >= from);
