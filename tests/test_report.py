@@ -161,7 +161,26 @@ def test_what_was_not_read_is_not_said_not_to_be(log: Path, tmp_path: Path) -> N
     cut = Parsed((tmp_path / "cut.html").read_text())
     assert "No contact was found in what could be read." in cut.text
     assert "No bodies to draw could be read of the log." in cut.text
+    assert "1 of 1 pair is not proved to stay clear." in cut.text
+    assert "No pair is listed in what could be read." in cut.text
+    assert "more pair" not in cut.text
     assert "--log certificate" not in cut.text
+
+
+def test_a_summary_that_is_whole_is_told_as_such_where_the_facts_are_damaged(log: Path, tmp_path: Path) -> None:
+    with log.open("rb") as file:
+        index = make_reader(file).get_summary()
+    assert index is not None
+    damaged = bytearray(log.read_bytes())
+    for chunk in index.chunk_indexes:
+        damaged[chunk.chunk_start_offset + chunk.chunk_length // 2] ^= 1
+    (tmp_path / "damaged.mcap").write_bytes(damaged)
+    assert closecall("report", "damaged.mcap", "-q", cwd=tmp_path).returncode == 3
+    told = Parsed((tmp_path / "damaged.html").read_text()).text
+    assert "Not the whole log." in told
+    assert "What is said of pairs is the log's own summary, which is whole" in told
+    assert "nothing is proved" not in told
+    assert "1 of 1 pair touches." in told
 
 
 def test_balls_that_touch_are_told_with_when(text: str) -> None:

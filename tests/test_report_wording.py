@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from decimal import Decimal
+from pathlib import Path
 from typing import Any
 
 from hypothesis import given
@@ -10,6 +11,7 @@ from hypothesis import strategies as st
 from report_pages import Parsed, made_up
 
 from closecall.formats.log.found import Found
+from closecall.formats.log.reader import Loss
 from closecall.formats.report.quantities import at_least, at_most, interval
 from closecall.formats.report.wording import headline, nearest, proof, sentences
 
@@ -87,6 +89,9 @@ def test_pairs_that_boxes_cleared_are_counted_and_no_distance_is_claimed() -> No
     assert headline(summary).startswith("All 5 pairs stay clear, which is proved for every instant")
     told = "4 pairs stayed clear by boxes that never meet: how near they come is not told, so one may come closer."
     assert told in sentences(Found(summary), {})
+    loss = Loss(Path("o.mcap"), 100, "it ends", cut=True, places=1, read_to=None)
+    assert told in sentences(Found(summary, loss), {})  # by a summary that is whole
+    assert "Of 4 pairs nothing could be read." in sentences(Found(summary, loss, folded=True), {})
 
 
 def summary_of(*pairs: Any, total: int | None = None) -> Any:

@@ -42,11 +42,13 @@ class Found:
         loss: what could not be read.
         lost: by the pair's name, when (s) its spans are lost; pairs of which nothing was read are counted as
             unresolved, not listed.
+        folded: whether the summary was made of the facts that could be read, and is not the one that the log carries.
     """
 
     summary: Summary
     loss: Loss | None = None
     lost: dict[str, Stretches] = field(default_factory=dict)
+    folded: bool = False
 
 
 def read_summary(path: Path) -> Summary:
@@ -150,7 +152,7 @@ class Folding:
             unseen = max(0, summary["pairs_total"] - len(summary["pairs"]))
             verdicts["clear"] -= unseen
             verdicts["unresolved"] += unseen
-        return Found(summary, loss, lost)
+        return Found(summary, loss, lost, folded=True)
 
     def _new_pair(self, message: _Fact) -> PairKey:
         a, b = bodies_of_pair(message.pair_id, self._identity.bodies)

@@ -58,10 +58,12 @@ def verdict(gathered: Gathered) -> str:
 def worst(gathered: Gathered) -> str:
     """Return the table of the worst pairs, and what is proved of each."""
     pairs = gathered.pairs[:_MOST_WORST]
+    if not pairs:
+        return f"<p>{_nothing(gathered, 'No pair is listed')}</p>"
     lost = gathered.found.lost
     rows = [_worst_row(index, pair, lost.get(pair["pair"], [])) for index, pair in enumerate(pairs)]
     more = gathered.found.summary["pairs_total"] - len(pairs)
-    rest = f"<p>And {counted(more, 'more pair')}, less bad or less near.</p>" if more > 0 else ""
+    rest = f"<p>And {counted(more, 'more pair')}.</p>" if more > 0 else ""
     return _table(("Pair", "Verdict", "Least distance", "When", "What is proved"), rows) + rest
 
 
@@ -173,7 +175,11 @@ def _banner(gathered: Gathered) -> str:
         return ""
     loss = gathered.found.loss or gathered.loss
     assert loss is not None
-    told = "This page tells what could be read; where spans are lost, nothing is proved."
+    folded = "This page tells what could be read; where spans are lost, nothing is proved."
+    carried = (
+        "What is said of pairs is the log's own summary, which is whole; map, curves and replay show what is left."
+    )
+    told = folded if gathered.found.folded else carried
     what = f"The log is {'unfinished' if loss.cut else 'damaged'} at byte {loss.offset}: {loss.problem}."
     return f'<p class="banner" role="alert"><strong>Not the whole log.</strong> {escape(what)} {told}</p>'
 

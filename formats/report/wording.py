@@ -32,7 +32,7 @@ def headline(summary: Summary) -> str:
     if counts["breach"]:
         return f"{counts['breach']} {of_all} {_verb(counts['breach'], 'comes', 'come')} nearer than the margin."
     if counts["unresolved"]:
-        return f"Of {counts['unresolved']} {of_all} it is not proved that they stay clear."
+        return f"{counts['unresolved']} {of_all} {_verb(counts['unresolved'], 'is', 'are')} not proved to stay clear."
     if counts["possible"]:
         return f"{counts['possible']} {of_all} could touch, as far as their motion is known."
     stay = "The pair stays" if total == 1 else f"All {total} pairs stay"
@@ -205,7 +205,7 @@ def _unlisted(found: Found) -> str:
     unlisted = summary["pairs_total"] - len(summary["pairs"])
     if unlisted <= 0:
         return ""
-    if found.loss is not None:
+    if found.folded and found.loss is not None:
         return f"Of {counted(unlisted, 'pair')} nothing could be read."
     cleared = f"{counted(unlisted, 'pair')} stayed clear by boxes that never meet"
     return f"{cleared}: how near they come is not told, so one may come closer."
