@@ -60,7 +60,7 @@ def print_understood(loaded: LoadedScene, pairs: int, margins: list[float]) -> N
     console = console_for()
     table = Table(box=None, pad_edge=False, header_style="bold")
     for column in ("body", "parent", "motion", "shapes (triangles)", "size"):
-        table.add_column(column, overflow="fold", min_width=max(map(len, column.split())))
+        table.add_column(column, overflow="fold")
     files = {file.name for file in loaded.trajectory_files}
     for body in scene.bodies[:MOST_ROWS]:
         told = _body(scene, body, files)

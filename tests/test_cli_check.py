@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import pi, radians
@@ -17,6 +18,8 @@ import yaml
 from cli_process import closecall, command
 
 from closecall.cli.main import main
+
+SAMPLES = Path(__file__).parents[1] / "sample_scenes"
 
 CELL = """\
 closecall: 1
@@ -263,6 +266,17 @@ def test_a_narrow_terminal_folds_the_table_and_loses_nothing(
     column = "".join(line.split(" ")[0] for line in done.out.splitlines()[2:-4])
     assert name in column
     assert "5 bodies, 3 of 6 pairs to check" in done.out
+
+
+@pytest.mark.parametrize("columns", [30, 45, 50, 74, 80])
+def test_every_figure_of_the_table_is_there_at_any_width(run, monkeypatch: pytest.MonkeyPatch, columns: int) -> None:
+    scene = str(SAMPLES / "asteroids" / "scene.yaml")
+    monkeypatch.setenv("COLUMNS", "200")
+    wide = run("check", scene).out
+    monkeypatch.setenv("COLUMNS", str(columns))
+    narrow = run("check", scene).out
+    assert max(map(len, narrow.splitlines())) <= columns
+    assert Counter("".join(narrow.split())) == Counter("".join(wide.split()))
 
 
 def test_names_that_look_like_markup_are_printed_as_they_are(run, folder: Path) -> None:
