@@ -12,6 +12,7 @@ import click
 
 from closecall import __version__
 
+from .completion import VARIABLE
 from .faults import end_at_interrupts
 
 COMMANDS = {
@@ -75,7 +76,7 @@ def main() -> NoReturn:
     """Run the command line; every failure ends in one line and its exit code."""
     try:
         end_at_interrupts()
-        code = group.main(standalone_mode=False, complete_var="_CLOSECALL_COMPLETE")
+        code = group.main(standalone_mode=False, complete_var=VARIABLE)
     except click.ClickException as error:
         error.show()
         sys.exit(2)
