@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -90,6 +92,27 @@ def test_files_that_travel_with_a_log_are_listed_and_taken(log, tmp_path):
     assert closecall_inside("extract", log, "scene", cwd=tmp_path).stdout == SCENE
     assert closecall_inside("extract", log, "scene", "-o", "again.yaml", cwd=tmp_path).returncode == 0
     assert (tmp_path / "again.yaml").read_text() == SCENE
+
+
+@pytest.mark.parametrize("choice", [[], ["--pair", "arm"]])
+def test_a_part_of_a_cut_log_is_never_told_as_whole(log, tmp_path, choice):
+    """Nor is a part of the part: what each says of the loss is what was said of the log."""
+    (tmp_path / "cut.mcap").write_bytes(log.read_bytes()[: log.stat().st_size // 2])
+    lost = closecall_inside("summary", "cut.mcap", cwd=tmp_path).stderr.strip().partition(": ")[2]
+    assert re.fullmatch(r"unfinished at byte \d+: .*; read up to [0-9.]+ s", lost)
+    for source, target in (("cut.mcap", "part.mcap"), ("part.mcap", "again.mcap")):
+        extract = ["extract", source, "--from", "0", *choice, "-o", target]
+        assert closecall_inside(*extract, cwd=tmp_path).returncode == 3
+        lost = f"part of a log that was {lost}"
+        for command in (["summary", target, "--json"], ["diff", target, target], ["export", target, "-o", "tables"]):
+            done = closecall_inside(*command, cwd=tmp_path)
+            assert done.returncode == 3
+            assert set(done.stderr.splitlines()) == {f"{target}: {lost}"}
+        with (tmp_path / target).open("rb") as file:
+            assert "summary.json" not in {one.name for one in make_reader(file).iter_attachments()}
+    summary = json.loads(closecall_inside("summary", "again.mcap", "--json", cwd=tmp_path).stdout)
+    assert sum(summary["totals"]["pairs"].values()) == summary["pairs_total"]
+    assert summary["totals"]["pairs"]["clear"] == 0, "of no pair is all known"
 
 
 @pytest.mark.parametrize(

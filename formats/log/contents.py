@@ -14,6 +14,9 @@ from .errors import LogError
 METADATA_AT_START = "closecall/start"
 METADATA = "closecall"
 
+# Key of the second record: what could not be read of the log that this is a part of. There is no summary then.
+LOST = "lost"
+
 # Attachments. Mesh files are `mesh/<sha256>`, trajectory files `trajectory/<sha256>`.
 SCENE = "scene"
 SETTINGS = "settings.json"

@@ -12,7 +12,7 @@ from closecall import __version__
 from . import messages_pb2 as pb
 from .choice import Choice, is_pair_among
 from .chunks import Channel, ChunkWriter, Compression
-from .contents import METADATA, METADATA_AT_START, SUMMARY
+from .contents import LOST, METADATA, METADATA_AT_START, SUMMARY
 from .found import Folding
 from .identity import Identity
 from .output import Output
@@ -50,7 +50,8 @@ def write_part(log: Path, target: Path, choice: Choice) -> Part:
     """Write the messages that are chosen, and what travels with the log, as a log of that time and those pairs.
 
     Messages stay as they are. Spans, windows and contacts that reach into the time are kept whole, so that the part
-    says of its time what the log said. Its summary is of the part.
+    says of its time what the log said. Its summary is of the part; of a log that could not all be read there is none,
+    and whoever reads the part is told so.
 
     Raises:
         LogError: for what is no log of closecall, and for an output that cannot be written.
@@ -119,18 +120,23 @@ def _write(reader: LogReader, identity: Identity, choice: Choice, contents: _Con
         if not choice.wants_topic(source.shared_topic) or not _is_wanted(message, source.topic, time, choice, contents):
             continue
         if isinstance(message, _FOLDED):
-            folding.add(message, time)
+            try:
+                folding.add(message, time)
+            except (LookupError, ValueError, OverflowError):
+                reader.doubt("a message says what cannot be")
         channel = channels.get(source.topic)
         if channel is None:
             channel = channels[source.topic] = Channel(source.topic, type(message))
         chunks.add_serialized(channel, message.SerializeToString(), log_time)
         taken += 1
     chunks.flush()
-    chunks.add_metadata(METADATA, values | {f"count{name}": str(one.written) for name, one in channels.items()})
-    summary = folding.found(reader.loss).summary
-    chunks.add_attachment(SUMMARY, "application/json", to_json(summary).encode(), reader.identity.epoch)
+    counts, loss = {f"count{name}": str(one.written) for name, one in channels.items()}, reader.loss
+    chunks.add_metadata(METADATA, values | counts | ({} if loss is None else {LOST: loss.told}))
+    if loss is None:
+        summary = to_json(folding.found(None).summary).encode()
+        chunks.add_attachment(SUMMARY, "application/json", summary, reader.identity.epoch)
     chunks.finish()
-    return Part(taken, count, reader.loss)
+    return Part(taken, count, loss)
 
 
 def _is_wanted(message: Any, topic: str, time: float, choice: Choice, contents: _Contents) -> bool:

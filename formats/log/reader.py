@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib import import_module
@@ -22,7 +22,7 @@ from ..scene.errors import counted
 from . import messages_pb2 as pb
 from .attachments import NAME_A_LOG, opened, read_index
 from .clock import seconds_told
-from .contents import METADATA, METADATA_AT_START
+from .contents import LOST, METADATA, METADATA_AT_START
 from .errors import DamagedLogError, LogError
 from .identity import Identity, read_identity
 from .records import (
@@ -68,6 +68,7 @@ class Loss:
         cut: whether the file merely ends too soon.
         places: how many places there are.
         read_to: s, the latest fact that was read before reading had to end; None where the rest was read.
+        inherited: whether all of the file was read, but the log it is a part of had lost this already.
     """
 
     path: Path
@@ -76,12 +77,20 @@ class Loss:
     cut: bool
     places: int
     read_to: float | None
+    inherited: bool = False
 
     def __str__(self) -> str:
+        return f"{self.path}: {self.told}"
+
+    @property
+    def told(self) -> str:
+        """The same without the file's name, which it does not keep."""
+        if self.inherited:
+            return self.problem
         what = "unfinished" if self.cut else "damaged"
         more = f" (and {counted(self.places - 1, 'more place')})" if self.places > 1 else ""
         rest = "the rest was read" if self.read_to is None else f"read up to {seconds_told(self.read_to, 7)} s"
-        return f"{self.path}: {what} at byte {self.offset}: {self.problem}{more}; {rest}"
+        return f"{what} at byte {self.offset}: {self.problem}{more}; {rest}"
 
 
 class LogReader:
@@ -113,6 +122,7 @@ class LogReader:
         self._sources: dict[int, Source] = {}  # by channel, of the topics that are wanted
         self._others: set[int] = set()
         self._faults: list[DamageError] = []
+        self._inherited: Loss | None = None
         self._stopped = False
         self._offset = 0
         self._latest = 0
@@ -138,7 +148,7 @@ class LogReader:
     def loss(self) -> Loss | None:
         """What could not be read, known once the messages (or attachments) were; None where nothing is lost."""
         if not self._faults:
-            return None
+            return self._inherited
         first = self._faults[0]
         read_to = self.identity.seconds(max(self._latest, self.identity.epoch)) if self._stopped else None
         return Loss(self.path, first.offset, first.problem, first.cut, len(self._faults), read_to)
@@ -209,7 +219,7 @@ class LogReader:
             for record in self._records.heads():
                 if record.opcode == Opcode.METADATA:
                     try:
-                        metadata = Metadata.read(read_stream(self._records.body(record)))
+                        metadata = self._metadata(record)
                         if metadata.name in (METADATA_AT_START, METADATA):
                             self.values = dict(metadata.metadata)
                             return read_identity(self.values)
@@ -233,11 +243,27 @@ class LogReader:
                     yield record, body
                 elif record.opcode != Opcode.DATA_END:
                     crc = self._records.checksum(record, crc)
+                    if record.opcode == Opcode.METADATA:
+                        self._inherit(record)
                 elif not self._faults:  # for the checksum would not match again
                     self._check_end(record, crc)
         except DamageError as error:
             self._faults.append(error)
             self._stopped = True
+
+    def _metadata(self, record: Record) -> Metadata:
+        metadata: Metadata = Metadata.read(read_stream(self._records.body(record)))
+        return metadata
+
+    def _inherit(self, record: Record) -> None:
+        """Take note of what was lost of the log that this is a part of; the checksum of the whole proves the record."""
+        with suppress(*DAMAGE):
+            lost = self._metadata(record).metadata.get(LOST)
+            if lost is not None:
+                told = f"part of a log that was {lost}"
+                self._inherited = Loss(
+                    self.path, record.offset, told, cut=False, places=1, read_to=None, inherited=True
+                )
 
     def _check_end(self, data_end: Record, crc: int) -> None:
         try:

@@ -180,7 +180,7 @@ def _banner(gathered: Gathered) -> str:
         "What is said of pairs is the log's own summary, which is whole; map, curves and replay show what is left."
     )
     told = folded if gathered.found.folded else carried
-    what = f"The log is {'unfinished' if loss.cut else 'damaged'} at byte {loss.offset}: {loss.problem}."
+    what = f"The log is {loss.told}."
     return f'<p class="banner" role="alert"><strong>Not the whole log.</strong> {escape(what)} {told}</p>'
 
 
