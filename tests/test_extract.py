@@ -11,6 +11,7 @@ import pytest
 from cli_process import closecall_inside
 from diff_logs import SCENE, run_scene, write_scene
 from mcap.reader import make_reader
+from rewritten_logs import rewrite
 
 from closecall.formats.log.choice import Choice
 from closecall.formats.log.diff.compare import compare
@@ -97,7 +98,9 @@ def test_files_that_travel_with_a_log_are_listed_and_taken(log, tmp_path):
 @pytest.mark.parametrize("choice", [[], ["--pair", "arm"]])
 def test_a_part_of_a_cut_log_is_never_told_as_whole(log, tmp_path, choice):
     """Nor is a part of the part: what each says of the loss is what was said of the log."""
-    (tmp_path / "cut.mcap").write_bytes(log.read_bytes()[: log.stat().st_size // 2])
+    rewrite(log, tmp_path / "chunks.mcap", attachments=False)
+    data = (tmp_path / "chunks.mcap").read_bytes()
+    (tmp_path / "cut.mcap").write_bytes(data[: len(data) // 2])
     lost = closecall_inside("summary", "cut.mcap", cwd=tmp_path).stderr.strip().partition(": ")[2]
     assert re.fullmatch(r"unfinished at byte \d+: .*; read up to [0-9.]+ s", lost)
     for source, target in (("cut.mcap", "part.mcap"), ("part.mcap", "again.mcap")):
@@ -112,6 +115,7 @@ def test_a_part_of_a_cut_log_is_never_told_as_whole(log, tmp_path, choice):
             assert "summary.json" not in {one.name for one in make_reader(file).iter_attachments()}
     summary = json.loads(closecall_inside("summary", "again.mcap", "--json", cwd=tmp_path).stdout)
     assert sum(summary["totals"]["pairs"].values()) == summary["pairs_total"]
+    assert summary["totals"]["wakeups"] > 0
     assert summary["totals"]["pairs"]["clear"] == 0, "of no pair is all known"
 
 

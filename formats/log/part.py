@@ -36,9 +36,10 @@ class Part:
 
 @dataclass(slots=True)
 class _Contents:
-    """What a part must be known to hold before it is written: pairs, and when they touch, s."""
+    """What a part must be known to hold before it is written: pairs, whether these are all, and when they touch, s."""
 
     pairs: set[str] = field(default_factory=set)
+    complete: bool = True
     contacts: dict[str, list[tuple[float, float]]] = field(default_factory=lambda: defaultdict(list))
 
     def touches(self, pair: str, time: float) -> bool:
@@ -85,16 +86,17 @@ def _contents(log: Path, choice: Choice) -> _Contents:
                 contents.pairs.add(message.pair)
                 if message.verdict == pb.Span.CONTACT:
                     contents.contacts[message.pair].append((message.start, message.end))
+        contents.complete = reader.loss is None
     return contents
 
 
 def _identity(whole: Identity, choice: Choice, contents: _Contents) -> Identity:
-    """Return the part's identity: its own time, and, where pairs were chosen, no more of them."""
+    """Return the part's identity: its own time, and, where pairs were chosen and all are known, no more of them."""
     return replace(
         whole,
         start=max(whole.start, min(choice.start, whole.end)),
         end=min(whole.end, max(choice.end, whole.start)),
-        pairs_total=len(contents.pairs) if choice.pairs else whole.pairs_total,
+        pairs_total=len(contents.pairs) if choice.pairs and contents.complete else whole.pairs_total,
     )
 
 
