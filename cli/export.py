@@ -66,4 +66,6 @@ def command(
             if not quiet:
                 for name, rows in sorted(done.rows.items()):
                     click.echo(f"{output / f'{name}.{kind}'}: {rows} rows")
+        if not (quiet or done.loss or any(done.rows.values())):
+            click.echo("no message is such", err=True)
         return exit_code_of(done.loss)

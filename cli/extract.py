@@ -56,6 +56,8 @@ def command(
         part = write_part(log, output, choice)
         if not quiet:
             click.echo(f"{output}: {part.messages} of {part.of} messages")
+            if pairs and not part.pairs and part.loss is None:
+                click.echo("no pair is such", err=True)
         return exit_code_of(part.loss)
 
 

@@ -87,6 +87,17 @@ def test_rows_are_chosen_by_pair_body_and_time(log):
     assert 0 < len(rows(pairs=("arm|wall",), start=0.97, end=1.0)) < len(rows(pairs=("arm|wall",)))
 
 
+@pytest.mark.parametrize("where", [["-o", "tables"], ["--topic", "/spans"]])
+def test_where_no_message_is_wanted_a_line_says_so_and_there_is_no_folder(log, tmp_path, where):
+    done = closecall_inside("export", log, "--pair", "nosuch", *where, cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "no message is such\n")
+    assert not list(tmp_path.iterdir())
+    quiet = closecall_inside("export", log, "--pair", "nosuch", *where, "-q", cwd=tmp_path)
+    assert quiet.stderr == ""
+    found = closecall_inside("export", log, "--pair", "arm", *where, cwd=tmp_path)
+    assert (found.returncode, found.stderr) == (0, "")
+
+
 def test_the_document_tells_every_column_and_its_type():
     common, *sections = re.split(r"^## (\w+)$", DOCUMENT, flags=re.MULTILINE)
     told = dict(zip(sections[::2], map(columns_told, sections[1::2]), strict=True))

@@ -86,6 +86,13 @@ def test_a_part_outside_the_run_is_empty_and_a_log(log, tmp_path):
     assert read_summary(part)["time"] == [2.0, 2.0]
 
 
+@pytest.mark.parametrize(("pair", "said"), [("nosuch", "no pair is such\n"), ("arm", "")])
+def test_a_pair_that_is_not_there_is_told(log, tmp_path, pair, said):
+    done = closecall_inside("extract", log, "--pair", pair, "-o", "part.mcap", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, said)
+    assert bool(read_summary(tmp_path / "part.mcap")["pairs_total"]) is (said == "")
+
+
 def test_files_that_travel_with_a_log_are_listed_and_taken(log, tmp_path):
     listed = closecall_inside("extract", log, cwd=tmp_path).stdout
     for name in ("scene", "settings.json", "mesh/", "layout.json", "summary.json"):

@@ -125,7 +125,7 @@ def export_table(log: Path, kind: str, choice: Choice, stream: IO[bytes]) -> Exp
 def export_tables(log: Path, kind: str, choice: Choice, folder: Path) -> Exported:
     """Write each table that is chosen, and has rows, to a file of its own in a folder.
 
-    Files are there only when all are whole; those of an earlier export are replaced.
+    Files are there only when all are whole; those of an earlier export are replaced. Without rows there is no folder.
 
     Raises:
         LogError: for what is no log of closecall, and for what cannot be written.
@@ -135,9 +135,9 @@ def export_tables(log: Path, kind: str, choice: Choice, folder: Path) -> Exporte
     partials: dict[Path, Path] = {}
     try:
         with ExitStack() as files, LogReader(log) as reader:
-            folder.mkdir(parents=True, exist_ok=True)
             for table, row in _rows(reader, choice):
                 if table.name not in writers:
+                    folder.mkdir(parents=True, exist_ok=True)
                     path = folder / f"{table.name}.{kind}"
                     partial = path.with_name(f"{path.name}.partial")
                     partials[partial] = path

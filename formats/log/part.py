@@ -27,10 +27,11 @@ _FOLDED = (pb.Wakeup, pb.Distance, pb.Collision, pb.Span)
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """What was taken: how many messages of how many, and what of the log could not be read."""
+    """What was taken: how many messages of how many, of how many pairs, and what of the log could not be read."""
 
     messages: int
     of: int
+    pairs: int
     loss: Loss | None
 
 
@@ -138,7 +139,7 @@ def _write(reader: LogReader, identity: Identity, choice: Choice, contents: _Con
         summary = to_json(folding.found(None).summary).encode()
         chunks.add_attachment(SUMMARY, "application/json", summary, reader.identity.epoch)
     chunks.finish()
-    return Part(taken, count, loss)
+    return Part(taken, count, len(contents.pairs), loss)
 
 
 def _is_wanted(message: Any, topic: str, time: float, choice: Choice, contents: _Contents) -> bool:
