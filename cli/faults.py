@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from shlex import quote
 from types import FrameType
 from typing import TYPE_CHECKING, NoReturn
 
@@ -105,6 +106,6 @@ def _how_to_recover(output: Path | None) -> str:
     partial = Path(f"{output}.partial")
     if output is None or not partial.exists():
         return ""
-    return (
-        f"; the log so far is in {partial}: closecall's commands read it, mcap recover {partial} -o whole.mcap mends it"
-    )
+    named = quote(str(partial))
+    mended = f"the MCAP command line tool mends it: mcap recover {named} -o recovered.mcap"
+    return f"; the log so far is in {partial}: closecall summary {named} tells it; {mended}"
