@@ -85,13 +85,8 @@ def _take_file(log: Path, name: str, output: Path | None) -> int:
     if output is None or output == STDOUT:
         sys.stdout.buffer.write(file.data)
         return 0
-    from ..formats.log.output import Output
+    from ..formats.log.output import Output, published
 
-    out = Output(output, [log])
-    try:
-        out.open().write(file.data)
-        out.publish()
-    except OSError as error:
-        out.discard()
-        raise out.fault(error) from error
+    with published(Output(output, [log])) as stream:
+        stream.write(file.data)
     return 0

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import click
 
-from ..formats.log.output import Output
-from ..formats.log.pipe import STDOUT, Pipe
+from ..formats.log.output import destination, published
+from ..formats.log.pipe import STDOUT
 from .faults import exit_code_of, faults_reported, raise_interrupts
 
 
@@ -32,21 +31,11 @@ def command(log: Path, output: Path | None, quiet: bool) -> int:
     target = log.with_name(f"{log.stem}.html") if output is None else output
     with faults_reported():
         raise_interrupts()
-        place = Pipe(sys.stdout.buffer) if target == STDOUT else Output(target, [log])
+        place = destination(target, [log])
         gathered = gather(log)
         data = page(gathered).encode()
-        _publish(place, data)
-        if not quiet and isinstance(place, Output):
+        with published(place) as stream:
+            stream.write(data)
+        if not quiet and target != STDOUT:
             click.echo(f"{target}: {len(data) / 1e6:.1f} MB")
         return exit_code_of(gathered.loss)
-
-
-def _publish(place: Output | Pipe, data: bytes) -> None:
-    """Write a page; where that fails, nothing of it is left."""
-    try:
-        place.open().write(data)
-        place.publish()
-    except OSError as error:
-        raise place.fault(error) from error
-    finally:
-        place.discard()

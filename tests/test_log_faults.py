@@ -21,7 +21,7 @@ from mcap.stream_reader import StreamReader
 
 from closecall.formats.log.chunks import CHUNK_BYTES, ChunkWriter
 from closecall.formats.log.errors import LogError
-from closecall.formats.log.output import Output
+from closecall.formats.log.output import Output, published
 from closecall.formats.log.writer import LogOptions, LogWriter
 from closecall.formats.scene.loaded import InputFile, LoadedScene
 from closecall.scheduler.events import Bound, Level, PairKey, Reason, Wakeup
@@ -192,6 +192,19 @@ def test_unwritable_folder_is_refused(tmp_path, monkeypatch):
 def test_a_name_too_long_for_the_file_system_is_one_line(tmp_path):
     with pytest.raises(LogError, match="File name too long"):
         Output(tmp_path / ("x" * 250), [])
+
+
+def test_what_cannot_be_put_in_its_place_is_not_left_beside_it(tmp_path, monkeypatch):
+    def refuse(*_: object) -> None:
+        raise OSError(5, "Input/output error")
+
+    monkeypatch.setattr(Path, "replace", refuse)
+    with (
+        pytest.raises(LogError, match="cannot write: Input/output error"),
+        published(Output(tmp_path / "out.mcap", [])) as stream,
+    ):
+        stream.write(b"all of it")
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(("start", "epoch", "remedy"), [(-1.5, 0, "at least 1500000000"), (0.0, 2**63, "at most")])

@@ -3,12 +3,39 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
-from contextlib import suppress
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
 from .errors import LogError
+from .pipe import STDOUT, Pipe
+
+
+def destination(path: Path, inputs: Sequence[Path]) -> Output | Pipe:
+    """Return where a log or a page goes: into a file, which is none of `inputs`, or down standard output.
+
+    Raises:
+        LogError: at once, where that cannot be written.
+    """
+    return Pipe(sys.stdout.buffer) if path == STDOUT else Output(path, inputs)
+
+
+@contextmanager
+def published(place: Output | Pipe) -> Iterator[IO[bytes]]:
+    """Lend a stream; what was written is published at the end of the block, and nothing of it is left where it fails.
+
+    Raises:
+        LogError: where the system refuses.
+    """
+    try:
+        yield place.open()
+        place.publish()
+    except OSError as error:
+        raise place.fault(error) from error
+    finally:
+        place.discard()
 
 
 class Output:
@@ -22,6 +49,7 @@ class Output:
         self.path = path
         self.partial = path.with_name(path.name + ".partial") if path.name else path
         self._stream: IO[bytes] | None = None
+        self._own: os.stat_result | None = None
         try:
             _require_place(path)
             for target in (self.path, self.partial):
@@ -36,6 +64,7 @@ class Output:
         try:
             self.partial.unlink(missing_ok=True)
             self._stream = self.partial.open("xb")
+            self._own = os.fstat(self._stream.fileno())
         except OSError as error:
             raise self.fault(error) from error
         return self._stream
@@ -46,7 +75,7 @@ class Output:
             raise ValueError("publish() before open()")
         self._stream.flush()
         os.fsync(self._stream.fileno())
-        self._require_own_partial(self._stream)
+        self._require_own_partial()
         self._stream.close()
         self.partial.replace(self.path)
         # Some file systems cannot sync a folder. The log is whole and in place by now.
@@ -60,15 +89,14 @@ class Output:
                 self._stream.close()
 
     def discard(self) -> None:
-        """Close `partial` and remove it, unless another run took its place."""
-        if self._stream is not None:
-            with suppress(LogError, OSError):
-                self._require_own_partial(self._stream)
-                self.partial.unlink()
+        """Close `partial` and remove it, unless it is published or another run took its place."""
+        with suppress(LogError, OSError):
+            self._require_own_partial()
+            self.partial.unlink()
         self.abandon()
 
-    def _require_own_partial(self, stream: IO[bytes]) -> None:
-        if not self.partial.exists() or not os.path.samestat(os.fstat(stream.fileno()), self.partial.stat()):
+    def _require_own_partial(self) -> None:
+        if self._own is None or not self.partial.exists() or not os.path.samestat(self._own, self.partial.stat()):
             raise LogError(self.path, f"another run took or removed {self.partial}", "give every run its own output")
 
     def fault(self, error: OSError) -> LogError:

@@ -15,7 +15,7 @@ from .chunks import Channel, ChunkWriter, Compression
 from .contents import LOST, METADATA, METADATA_AT_START, SUMMARY
 from .found import Folding
 from .identity import Identity
-from .output import Output
+from .output import Output, published
 from .reader import LogReader, Loss
 from .summary import to_json
 
@@ -62,17 +62,8 @@ def write_part(log: Path, target: Path, choice: Choice) -> Part:
     contents = _contents(log, choice)
     with LogReader(log) as reader:
         identity = _identity(reader.identity, choice, contents)
-        stream = output.open()
-        try:
-            part = _write(reader, identity, choice, contents, ChunkWriter(stream, Compression.ZSTD, _library()))
-            output.publish()
-        except OSError as error:
-            output.discard()
-            raise output.fault(error) from error
-        except BaseException:
-            output.discard()
-            raise
-    return part
+        with published(output) as stream:
+            return _write(reader, identity, choice, contents, ChunkWriter(stream, Compression.ZSTD, _library()))
 
 
 def _library() -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -35,8 +34,7 @@ from .contents import (
 from .errors import LogError
 from .facts import FactFiller
 from .identity import identity
-from .output import Output
-from .pipe import STDOUT, Pipe
+from .output import destination
 from .summary import Summary, SummaryBuilder, subject_of, to_json
 from .viewer.viewer import Viewer, ViewerOptions
 
@@ -92,7 +90,7 @@ class LogWriter:
     def __init__(
         self, path: Path, loaded: LoadedScene, settings: Settings, pairs_total: int, options: LogOptions
     ) -> None:
-        self._output = _output(path, [loaded.path, *(file.path for _, file in input_files(loaded))])
+        self._output = destination(path, [loaded.path, *(file.path for _, file in input_files(loaded))])
         self._loaded = loaded
         self._settings = settings
         self._pairs_total = pairs_total
@@ -314,8 +312,3 @@ class LogWriter:
         with suppress(OSError):
             self._chunks.salvage()
         self._output.abandon()
-
-
-def _output(path: Path, inputs: list[Path]) -> Output | Pipe:
-    """Return where the log goes: into a file, or down standard output."""
-    return Pipe(sys.stdout.buffer) if path == STDOUT else Output(path, inputs)
