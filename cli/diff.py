@@ -61,13 +61,15 @@ def command(
     """
     from ..formats.log.diff.compare import compare
     from ..formats.log.diff.junit import write_junit
+    from ..formats.log.output import Output
     from .show import print_json
     from .show_diff import as_values, print_comparison
 
     with faults_reported():
+        output = None if junit is None else Output(junit, [golden, new], "--junit")
         comparison = compare(golden, new, _rules(**given), every_topic)
-        if junit is not None:
-            write_junit(junit, comparison, golden, new)
+        if output is not None:
+            write_junit(output, comparison, golden, new)
         if as_json:
             print_json(as_values(comparison, golden, new))
         elif not quiet:

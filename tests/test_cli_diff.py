@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import subprocess
 import xml.etree.ElementTree as ElementTree
@@ -109,6 +110,31 @@ def test_junit_has_a_case_for_every_pair(folder, tmp_path):
     suite = ElementTree.parse(report).getroot().find("testsuite")
     assert suite is not None
     assert (suite.get("failures"), suite.get("errors")) == ("0", "1")
+
+
+@pytest.mark.parametrize("name", ["golden.mcap", "new.mcap", "link.xml"])
+def test_a_junit_report_never_replaces_a_log(folder, name):
+    (folder / "link.xml").unlink(missing_ok=True)
+    (folder / "link.xml").symlink_to(folder / "new.mcap")
+    before = {path: path.read_bytes() for path in folder.glob("*.mcap")}
+    done = closecall_inside("diff", "golden.mcap", "new.mcap", "--junit", name, cwd=folder)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith(f"{name}: would overwrite the input ")
+    assert done.stderr.endswith("choose another output with --junit\n")
+    assert {path: path.read_bytes() for path in folder.glob("*.mcap")} == before
+
+
+def test_of_a_junit_report_that_cannot_be_written_nothing_is_left(folder, tmp_path, monkeypatch):
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    report = tmp_path / "report.xml"
+    report.write_text("an older report")
+    monkeypatch.setattr(os, "fsync", full)
+    done = closecall_inside("diff", "golden.mcap", "new.mcap", "--junit", report, cwd=folder)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith(f"{report}.partial: cannot write: No space left on device; ")
+    assert [report.read_text(), *tmp_path.iterdir()] == ["an older report", report]
 
 
 def test_a_reader_that_leaves_early_gets_no_traceback(folder):

@@ -1,4 +1,4 @@
-"""The file a log is published as: written beside it as `.partial`, and put in its place only when whole."""
+"""The file that a log or a report becomes: written beside it as `.partial`, and put in its place only when whole."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .pipe import STDOUT, Pipe
 
 
 def destination(path: Path, inputs: Sequence[Path]) -> Output | Pipe:
-    """Return where a log or a page goes: into a file, which is none of `inputs`, or down standard output.
+    """Return where a log or a report goes: into a file, which is none of `inputs`, or down standard output.
 
     Raises:
         LogError: at once, where that cannot be written.
@@ -24,10 +24,10 @@ def destination(path: Path, inputs: Sequence[Path]) -> Output | Pipe:
 
 @contextmanager
 def published(place: Output | Pipe) -> Iterator[IO[bytes]]:
-    """Lend a stream; what was written is published at the end of the block, and nothing of it is left where it fails.
+    """Lend a stream; what was written on it is published at the end of the block, or nothing of it is left.
 
     Raises:
-        LogError: where the system refuses.
+        LogError: where the system refuses to write.
     """
     try:
         yield place.open()
@@ -39,23 +39,29 @@ def published(place: Output | Pipe) -> Iterator[IO[bytes]]:
 
 
 class Output:
-    """A log on its way to `path`, in the file `partial` of the same folder.
+    """A log or a report on its way to `path`, in the file `partial` of the same folder.
+
+    Args:
+        path: what is written; an existing file is replaced.
+        inputs: files that are read, which neither `path` nor `partial` may be.
+        option: of the command line, with which the user chooses `path`.
 
     Raises:
         LogError: at once, when `path` cannot be written or is one of `inputs`; nothing was touched then.
     """
 
-    def __init__(self, path: Path, inputs: Sequence[Path]) -> None:
+    def __init__(self, path: Path, inputs: Sequence[Path], option: str = "-o") -> None:
         self.path = path
+        self._option = option
         self.partial = path.with_name(path.name + ".partial") if path.name else path
         self._stream: IO[bytes] | None = None
         self._own: os.stat_result | None = None
         try:
-            _require_place(path)
+            _require_place(path, option)
             for target in (self.path, self.partial):
-                _require_plain_file(target)
+                _require_plain_file(target, option)
                 for source in inputs:
-                    _require_other_file(target, source)
+                    _require_other_file(target, source, option)
         except OSError as error:
             raise self.fault(error) from error
 
@@ -70,7 +76,7 @@ class Output:
         return self._stream
 
     def publish(self) -> None:
-        """Put the whole log in place of `path`, safe from a crash of the machine once this returns."""
+        """Put the whole file in place of `path`, safe from a crash of the machine once this returns."""
         if self._stream is None:
             raise ValueError("publish() before open()")
         self._stream.flush()
@@ -78,7 +84,7 @@ class Output:
         self._require_own_partial()
         self._stream.close()
         self.partial.replace(self.path)
-        # Some file systems cannot sync a folder. The log is whole and in place by now.
+        # Some file systems cannot sync a folder. The file is whole and in place by now.
         with suppress(OSError):
             _sync_folder(self.path.parent)
 
@@ -101,27 +107,27 @@ class Output:
 
     def fault(self, error: OSError) -> LogError:
         """Return the system's refusal to write as one line."""
-        reason = error.strerror or str(error)
-        return LogError(self.partial, f"cannot write: {reason}", "free space there, or choose another folder with -o")
+        remedy = f"free space there, or choose another folder with {self._option}"
+        return LogError(self.partial, f"cannot write: {error.strerror or error}", remedy)
 
 
-def _require_place(path: Path) -> None:
+def _require_place(path: Path, option: str) -> None:
     if path.is_dir():
-        raise LogError(path, "is a folder", "name a file in it, such as out.mcap")
+        raise LogError(path, "is a folder", f"name a file in it with {option}")
     if not path.parent.is_dir():
-        raise LogError(path, f"there is no folder {path.parent}", "create it, or choose another with -o")
+        raise LogError(path, f"there is no folder {path.parent}", f"create it, or choose another with {option}")
     if not os.access(path.parent, os.W_OK | os.X_OK):
-        raise LogError(path, f"the folder {path.parent} is not writable", "choose another with -o")
+        raise LogError(path, f"the folder {path.parent} is not writable", f"choose another with {option}")
 
 
-def _require_plain_file(path: Path) -> None:
+def _require_plain_file(path: Path, option: str) -> None:
     if path.exists() and not path.is_file():
-        raise LogError(path, "exists and is not a plain file", "choose another output with -o")
+        raise LogError(path, "exists and is not a plain file", f"choose another output with {option}")
 
 
-def _require_other_file(target: Path, source: Path) -> None:
+def _require_other_file(target: Path, source: Path, option: str) -> None:
     if target.exists() and source.exists() and target.samefile(source):
-        raise LogError(target, f"would overwrite the input {source}", "choose another output with -o")
+        raise LogError(target, f"would overwrite the input {source}", f"choose another output with {option}")
 
 
 def _sync_folder(folder: Path) -> None:

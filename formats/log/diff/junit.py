@@ -6,23 +6,19 @@ import xml.etree.ElementTree as ElementTree
 from collections import defaultdict
 from pathlib import Path
 
-from ..errors import LogError
+from ..output import Output, published
 from .difference import Comparison, Difference
 from .wording import sentence
 
 
-def write_junit(path: Path, comparison: Comparison, golden: Path, new: Path) -> None:
+def write_junit(output: Output, comparison: Comparison, golden: Path, new: Path) -> None:
     """Write the report; an existing file is replaced once the new one is whole.
 
     Raises:
         LogError: where the file cannot be written.
     """
-    partial = path.with_name(f"{path.name}.partial")
-    try:
-        partial.write_text(junit(comparison, golden, new), encoding="utf-8")
-        partial.replace(path)
-    except OSError as error:
-        raise LogError(path, f"cannot write: {error.strerror or error}", "choose another file") from error
+    with published(output) as stream:
+        stream.write(junit(comparison, golden, new).encode())
 
 
 def junit(comparison: Comparison, golden: Path, new: Path) -> str:
