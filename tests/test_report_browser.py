@@ -117,9 +117,20 @@ def test_a_click_on_a_contact_jumps_to_it(logs: dict[str, Log], pages: dict[str,
     assert reddish(jumped.scene) > 500 > 20 > reddish(before.scene)
 
 
+def test_a_page_opens_at_the_first_contact(logs: dict[str, Log], pages: dict[str, PageSeen]) -> None:
+    for name in ("arm_pick", "asteroids", "many"):
+        pair, begin, _ = min(logs[name].contacts, key=lambda contact: (contact[1], contact[0]))
+        opened = pages[name].looks[OPENED]
+        assert opened.time == pytest.approx(begin, abs=1e-9)
+        assert opened.selected.startswith(pair.replace("|", " | "))
+    assert pages["hostile"].looks[OPENED].time == 0.0  # none touches, and no distance was measured
+
+
 def test_the_next_contact_is_the_first_that_begins_after_now(logs: dict[str, Log], pages: dict[str, PageSeen]) -> None:
-    first = min(begin for _, begin, _ in logs["asteroids"].contacts)
-    assert pages["asteroids"].looks[1].time == pytest.approx(first, abs=1e-9)
+    first, second = sorted(begin for _, begin, _ in logs["asteroids"].contacts)[:2]
+    opened, after = pages["asteroids"].looks
+    assert opened.time == pytest.approx(first, abs=1e-9)
+    assert after.time == pytest.approx(second, abs=1e-9)
 
 
 def test_the_theme_changes_page_and_pictures(pages: dict[str, PageSeen]) -> None:
@@ -154,7 +165,7 @@ def test_keys_move_in_time_by_a_column(pages: dict[str, PageSeen]) -> None:
 
 def test_a_click_on_the_map_selects_the_pair_and_its_time(pages: dict[str, PageSeen]) -> None:
     opened, pointed, _, moved = pages["many"].looks
-    assert pointed.time > opened.time == 0.0
+    assert pointed.time > opened.time
     assert pointed.selected.split("\n")[0] in pointed.told
     assert moved.selected != pointed.selected
 

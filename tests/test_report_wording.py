@@ -12,6 +12,7 @@ from report_pages import Parsed, made_up
 
 from closecall.formats.log.found import Found
 from closecall.formats.log.reader import Loss
+from closecall.formats.report.page import opening
 from closecall.formats.report.quantities import at_least, at_most, interval
 from closecall.formats.report.wording import headline, nearest, proof, sentences
 
@@ -82,6 +83,20 @@ def test_a_measured_distance_is_told_as_measured_and_its_bounds_outwards() -> No
     assert "measured 8 mm apart at 2 s (its least distance is proved to lie between 7.92 mm and 8.001 mm)" in told_of(
         pair
     )
+
+
+def test_a_page_opens_at_the_first_contact_or_else_where_the_worst_pair_was_nearest() -> None:
+    """Pairs are in the order of the page: worst first."""
+    late = made_up("a", "b", "contact", 0.0, 0.0, 3.0, contacts=[touch(2.999, 3.0)])
+    early = made_up("a", "c", "contact", 0.0, 0.0, 1.0, contacts=[touch(0.999, 1.0)])
+    breach = made_up("a", "d", "breach", 0.7, 0.8, 2.0)
+    unmeasured = made_up("a", "e", "clear", 0.1, None, None)
+    assert opening([late, early, breach], 0.5) == (1, 1.0)
+    as_early = made_up("a", "b2", "contact", 0.1, 0.2, 1.0, contacts=[touch(0.999, 1.0)])
+    assert opening([early, as_early], 0.5) == (1, 1.0), "as early, and before it by name"
+    assert opening([breach, unmeasured], 0.5) == (0, 2.0)
+    assert opening([unmeasured, made_up("b", "c", "clear", 0.9, 1.0, 2.5)], 0.5) == (1, 2.5)
+    assert opening([unmeasured], 0.5) == opening([], 0.5) == (0, 0.5)
 
 
 def test_pairs_that_boxes_cleared_are_counted_and_no_distance_is_claimed() -> None:

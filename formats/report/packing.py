@@ -55,8 +55,14 @@ class _Block:
         return base64.b64encode(gzip.compress(data, _BEST_COMPRESSION, mtime=0)).decode()
 
 
-def packed(gathered: Gathered, near: float) -> str:
-    """Return what the scripts draw of a log; `near`, m, is the distance below which a clear pair is near."""
+def packed(gathered: Gathered, near: float, opens: tuple[int, float]) -> str:
+    """Return what the scripts draw of a log.
+
+    Args:
+        gathered: from the log.
+        near: m, the distance below which a clear pair is near.
+        opens: the place of the pair that is shown at first, and the time, s.
+    """
     summary, block = gathered.found.summary, _Block()
     start, end = summary["time"]
     origin = _origin(gathered.replay)
@@ -67,6 +73,7 @@ def packed(gathered: Gathered, near: float) -> str:
         "start": start,
         "end": end,
         "near": near,
+        "opens": opens,
         "bodies": bodies,
         "verdicts": VERDICTS,
         "spanVerdicts": {number: name.lower() for name, number in pb.Span.Verdict.items() if number},

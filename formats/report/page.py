@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import base64
 import hashlib
+from collections.abc import Sequence
 from html import escape
 from importlib.resources import files
 from math import floor, log10
 from string import Template
 
+from ..log.summary import PairSummary
 from . import sections
 from .gathering import Gathered
 from .packing import packed
 from .replay import Replay
-from .wording import headline
+from .wording import headline, when
 
 # In the order that they run in, as one script.
 _SCRIPTS = (
@@ -53,7 +55,7 @@ def page(gathered: Gathered) -> str:
         "provenance": sections.provenance(gathered),
         "guarantees": sections.guarantees(),
         "replay": _replay_note(gathered.replay, gathered.loss is None),
-        "data": packed(gathered, near(gathered)),
+        "data": packed(gathered, near(gathered), opening(gathered.pairs, gathered.found.summary["time"][0])),
         "libraries": libraries,
         "scripts": scripts,
     }
@@ -67,6 +69,24 @@ def near(gathered: Gathered) -> float:
         return _rounded(_NEAR_MARGINS * margin)
     distances = [pair["distance"]["upper"] or pair["distance"]["lower"] for pair in gathered.pairs]
     return _rounded(_NEAR_LEAST * min((distance for distance in distances if distance > 0.0), default=0.1))
+
+
+def opening(pairs: Sequence[PairSummary], start: float) -> tuple[int, float]:
+    """Return which of the pairs a page shows when it opens, by its place, and at what time, s.
+
+    The first contact; without one, where the worst pair was nearest, or the worst of those of which that is known; else
+    the first pair at the start.
+
+    Args:
+        pairs: worst first.
+        start: s, of the run.
+    """
+    known = [(place, time) for place, pair in enumerate(pairs) if (time := when(pair)) is not None]
+    touching = [(time, pairs[place]["pair"], place) for place, time in known if pairs[place]["contacts"]]
+    if touching:
+        time, _, place = min(touching)
+        return place, time
+    return known[0] if known else (0, start)
 
 
 def _rounded(value: float) -> float:

@@ -6,8 +6,7 @@ const SPEEDS = [0.01, 0.1, 0.25, 0.5, 1, 2, 5, 10, 100];
 class Moment {
   constructor(pairs) {
     this.pairs = pairs;
-    this.pair = 0;
-    this.time = pairs.data.start;
+    [this.pair, this.time] = pairs.data.opens;
     this.listeners = [];
     this.focusers = [];
   }
@@ -181,4 +180,5 @@ followTheme(() => {
   replay?.fit();
 });
 moment.tell();
+map.show(moment.pair);
 document.documentElement.dataset.drawn = "yes";
