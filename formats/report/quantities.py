@@ -27,11 +27,6 @@ def at_least(metres: float) -> str:
     return length(metres, ROUND_FLOOR)
 
 
-def at_most(metres: float) -> str:
-    """Return an upper bound, m, rounded up."""
-    return length(metres, ROUND_CEILING)
-
-
 def moment(seconds: float) -> str:
     """Return a time, s, in six digits, or in whole microseconds where those are more."""
     return f"{seconds_told(seconds)} s"

@@ -9,7 +9,7 @@ from ..log.found import Found, Stretches
 from ..log.ranking import badness
 from ..log.summary import PairSummary, Summary
 from ..scene.errors import counted
-from .quantities import at_least, at_most, interval, length, moment
+from .quantities import at_least, interval, length, moment
 
 # Of intervals told of one pair.
 _MOST_INTERVALS = 2
@@ -171,11 +171,11 @@ def _closest(found: Found, places: Mapping[str, int]) -> str:
     best = min(measured, key=lambda pair: (pair["distance"]["upper"] or 0.0, badness(pair)))
     distance = best["distance"]
     upper, time = distance["upper"] or 0.0, distance["time"] or 0.0
-    between = f"proved to lie between {at_least(distance['lower'])} and {at_most(upper)}"
-    certain = between if distance["lower"] > 0.0 else "not proved to be above 0"
+    never_nearer = f"proved never nearer than {at_least(distance['lower'])}"
+    certain = never_nearer if distance["lower"] > 0.0 else "its least distance is not proved to be above 0"
     title = "Closest of the others" if others else "Closest"
     at = jump(places.get(best["pair"]), time)
-    sentence = f"{title}: {pair_name(best)}, measured {length(upper)} apart at {at} (its least distance is {certain})."
+    sentence = f"{title}: {pair_name(best)}, measured {length(upper)} apart at {at} ({certain})."
     rivals = sorted((pair for pair in apart if pair is not best and pair["distance"]["lower"] < upper), key=_lower)
     if rivals:
         return f"{sentence} As near or nearer may come {_such_as(rivals)}, {_stays(rivals[0])}."
