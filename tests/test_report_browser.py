@@ -36,6 +36,10 @@ ARM_STEPS = (
 )
 
 
+CUT = "Array.from(document.querySelectorAll('.scroll, #now li')).filter((e) => e.scrollWidth > e.clientWidth).length"
+"""How many tables and rows are wider than the place that they have."""
+
+
 def made(scene: Path, folder: Path, name: str, *options: str) -> Log:
     log = folder / f"{name}.mcap"
     run = [sys.executable, "-m", "closecall", "run", scene, "-q", *options, "-o", log]
@@ -69,9 +73,9 @@ def pages(logs: dict[str, Log], tmp_path_factory: pytest.TempPathFactory) -> dic
     map_steps = [("point", "#rows-canvas", 0.6, 0.05), ("press", "#rows", "End"), ("press", "#rows", "ArrowDown")]
     visits = [
         PageVisit("arm_pick", files["arm_pick"], ARM_STEPS, print=True),
-        PageVisit("asteroids", files["asteroids"], [("click", "#after")], width=400, theme="dark"),
+        PageVisit("asteroids", files["asteroids"], [("click", "#after"), ("evaluate", CUT)], width=400, theme="dark"),
         PageVisit("certificate", files["certificate"], [("slide", 0.97)]),
-        PageVisit("still", files["still"]),
+        PageVisit("still", files["still"], [("evaluate", CUT)]),
         PageVisit("cut", files["cut"]),
         PageVisit("hostile", files["hostile"], [("evaluate", "[window.hacked ?? null, document.body.innerText]")]),
         PageVisit("many", files["many"], map_steps),
@@ -128,7 +132,7 @@ def test_a_page_opens_at_the_first_contact(logs: dict[str, Log], pages: dict[str
 
 def test_the_next_contact_is_the_first_that_begins_after_now(logs: dict[str, Log], pages: dict[str, PageSeen]) -> None:
     first, second = sorted(begin for _, begin, _ in logs["asteroids"].contacts)[:2]
-    opened, after = pages["asteroids"].looks
+    opened, after, _ = pages["asteroids"].looks
     assert opened.time == pytest.approx(first, abs=1e-9)
     assert after.time == pytest.approx(second, abs=1e-9)
 
@@ -170,8 +174,9 @@ def test_a_click_on_the_map_selects_the_pair_and_its_time(pages: dict[str, PageS
     assert moved.selected != pointed.selected
 
 
-def test_a_narrow_page_does_not_scroll_sideways(pages: dict[str, PageSeen]) -> None:
+def test_neither_a_page_nor_a_table_in_it_scrolls_sideways(pages: dict[str, PageSeen]) -> None:
     assert all(page.overflow <= 0 for page in pages.values())
+    assert pages["asteroids"].looks[-1].value == pages["still"].looks[-1].value == 0
 
 
 def test_without_bodies_in_the_log_the_page_says_so_and_the_rest_works(pages: dict[str, PageSeen]) -> None:

@@ -125,7 +125,7 @@ def awakenings(gathered: Gathered) -> str:
         told = f"<code>{escape(reason)}</code> {escape(_REASONS.get(reason, ''))}"
         cells = (told, _bar(totals[reason], most), escape(levels), f'<span data-reason="{escape(reason)}"></span>')
         rows.append(cells)
-    heads = ("Why pairs woke", "How often", "Measured by", "Of these the selected pair")
+    heads = ("Reason", "How often", "Measured by", "Selected pair")
     return f'<div class="columns">{_table(heads, rows)}{_sleeps(gathered)}</div>'
 
 

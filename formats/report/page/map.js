@@ -79,7 +79,7 @@ class PairMap {
     const width = this.rows.clientWidth;
     const narrow = width < NARROW;
     this.width = width;
-    this.left = Math.min(Math.max(this.longest, 80) + 24, Math.round(width * 0.36));
+    this.left = Math.min(Math.max(this.longest, 80) + 24, Math.round(width * (narrow ? 0.5 : 0.36)));
     this.right = narrow ? 0 : 150;
     const inner = width - this.left - this.right;
     this.cellsWidth = inner;
