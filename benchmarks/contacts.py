@@ -7,7 +7,6 @@ per second of contact (resting and sliding apart), exact queries, the share of t
 
 from __future__ import annotations
 
-import json
 import sys
 from collections import Counter
 from dataclasses import replace
@@ -26,6 +25,8 @@ from closecall.scheduler.hold import Hold
 from closecall.scheduler.narrow_phase import NarrowPhase
 from closecall.scheduler.pairing import pairs_that_might_collide
 from closecall.scheduler.run import run
+
+from .scene_file import write_scene_file
 
 SHAPES: tuple[dict[str, Any], ...] = (
     {"box": [0.3, 0.2, 0.2]},
@@ -139,14 +140,7 @@ def main() -> None:
         meshes = {"rock": rock(), "table": table()}
         for name, mesh in meshes.items():
             mesh.export(scene.with_name(f"{name}.obj"))
-        document = {
-            "closecall": 1,
-            "units": {"length": "m", "angle": "rad"},
-            "time": {"start": 0, "end": end},
-            "meshes": {name: {"file": f"{name}.obj", "units": "m"} for name in meshes},
-            "bodies": bodies(),
-        }
-        scene.write_text(json.dumps(document))
+        write_scene_file(scene, end, {name: {"file": f"{name}.obj"} for name in meshes}, bodies())
         print(f"{'':22}{'resting/s':>10}{'sliding/s':>10}{'exact':>12}{'minima':>12}{'unresolved':>12}{'CPU s':>9}")
         for sleeps, refines in ((False, True), (True, True), (True, False)):
             measured(scene, sleeps, refines)

@@ -11,7 +11,6 @@ along each axis and turn at 1 rad/s.
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -27,6 +26,7 @@ from scipy.spatial import ConvexHull, cKDTree
 from scipy.spatial.transform import Rotation, Slerp
 
 from .command import Ran, run_command
+from .scene_file import write_scene_file
 from .table import Row
 
 SECONDS = 10.0
@@ -79,16 +79,7 @@ class Crowd:
             motion = {"type": "keyframes", "keys": keys, "before": "hold", "after": "hold"}
             exists = self.exists[index].tolist()
             bodies[f"body_{index}"] = {"shapes": [{"mesh": "body"}], "motion": motion, "exists": exists}
-        scene = {
-            "closecall": 1,
-            "units": {"length": "m", "angle": "rad"},
-            "time": {"start": 0, "end": SECONDS},
-            "meshes": {"body": {"file": "body.ply", "units": "m"}},
-            "bodies": bodies,
-        }
-        path = folder / "scene.json"
-        path.write_text(json.dumps(scene))
-        return path
+        return write_scene_file(folder / "scene.json", SECONDS, {"body": {"file": "body.ply"}}, bodies)
 
 
 def polytopes(count: int) -> Crowd:

@@ -9,7 +9,6 @@ command: `python -m benchmarks.many_bodies 1000 --broad-phase off`.
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
@@ -23,6 +22,7 @@ import trimesh
 from mcap.reader import make_reader
 
 from .command import run_command
+from .scene_file import write_scene_file
 from .table import Row
 
 SECONDS = 5.0
@@ -58,16 +58,8 @@ def write_scene(bodies: int, folder: Path, apart: float) -> Path:
         place = rng.uniform(-half, half, 3).round(6).tolist()
         shapes = [{"mesh": f"rock_{index % MODELS}"}]
         rocks[f"rock_{index}"] = {"pose": {"xyz": place}, "shapes": shapes, "motion": motion(rng)}
-    scene = {
-        "closecall": 1,
-        "units": {"length": "m", "angle": "rad"},
-        "time": {"start": 0, "end": SECONDS},
-        "meshes": {f"rock_{model}": {"file": f"rock_{model}.stl", "units": "m"} for model in range(MODELS)},
-        "bodies": rocks,
-    }
-    path = folder / "scene.json"
-    path.write_text(json.dumps(scene, separators=(",", ":")))
-    return path
+    meshes = {f"rock_{model}": {"file": f"rock_{model}.stl"} for model in range(MODELS)}
+    return write_scene_file(folder / "scene.json", SECONDS, meshes, rocks)
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import numpy as np
 import trimesh
 from scipy.spatial.transform import Rotation
+
+from .scene_file import write_scene_file
 
 
 class Rocks:
@@ -45,13 +46,4 @@ class Rocks:
             }
             for index, (place, v, w) in enumerate(zip(self._places, self.velocities, self.turnings, strict=True))
         }
-        scene = {
-            "closecall": 1,
-            "units": {"length": "m", "angle": "rad"},
-            "time": {"start": 0, "end": seconds},
-            "meshes": {"rock": {"file": "rock.stl", "units": "m"}},
-            "bodies": bodies,
-        }
-        path = folder / "scene.json"
-        path.write_text(json.dumps(scene))
-        return path
+        return write_scene_file(folder / "scene.json", seconds, {"rock": {"file": "rock.stl"}}, bodies)

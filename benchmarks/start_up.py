@@ -7,7 +7,6 @@ thousand triangles, with 8 (the default) 1.3 million.
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -17,6 +16,7 @@ import numpy as np
 import trimesh
 
 from .command import run_command
+from .scene_file import write_scene_file
 from .table import Row
 
 KINDS = ("stl", "obj", "ply", "glb")
@@ -44,16 +44,8 @@ def write_scene(folder: Path, kind: str, count: int) -> Path:
         for index in range(count)
     }
     plate = {"pose": {"xyz": [0, 0, -half - 2.0]}, "shapes": [{"box": [2.0 * half, 2.0 * half, 1.0]}]}
-    scene = {
-        "closecall": 1,
-        "units": {"length": "m", "angle": "rad"},
-        "time": {"start": 0, "end": 0.1},
-        "meshes": {"bumpy": {"file": f"mesh.{kind}", "units": "m", **({"up": "y"} if kind == "glb" else {})}},
-        "bodies": {"plate": plate, **bodies},
-    }
-    path = folder / f"{kind}_{count}.json"
-    path.write_text(json.dumps(scene))
-    return path
+    mesh = {"file": f"mesh.{kind}", **({"up": "y"} if kind == "glb" else {})}
+    return write_scene_file(folder / f"{kind}_{count}.json", 0.1, {"bumpy": mesh}, {"plate": plate, **bodies})
 
 
 def rows(subdivisions: int) -> Iterator[Row]:
