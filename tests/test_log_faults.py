@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import errno
-import hashlib
 import os
 import signal
 import struct
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any, cast
 
-import numpy as np
 import pytest
+from bare_scenes import loaded
 from mcap.exceptions import McapError
 from mcap.reader import make_reader
 from mcap.records import Message
@@ -23,22 +21,8 @@ from closecall.formats.log.chunks import CHUNK_BYTES, ChunkWriter
 from closecall.formats.log.errors import LogError
 from closecall.formats.log.output import Output, published
 from closecall.formats.log.writer import LogOptions, LogWriter
-from closecall.formats.scene.loaded import InputFile, LoadedScene
+from closecall.formats.scene.loaded import LoadedScene
 from closecall.scheduler.events import Bound, Level, PairKey, Reason, Wakeup
-from closecall.scheduler.scene import Body, PairRules, Scene, Settings
-
-
-def loaded(folder: Path, *, start: float = 0.0, meshes: tuple[bytes, ...] = ()) -> LoadedScene:
-    path = folder / "scene.yaml"
-    path.write_bytes(b"closecall: 1\n")
-    bodies = tuple(Body(name, None, np.eye(4), cast(Any, None), ()) for name in ("gear", "hammer"))
-    files = []
-    for number, data in enumerate(meshes):
-        file = folder / f"{number}.stl"
-        file.write_bytes(data)
-        files.append(InputFile(f"part_{number}", file, hashlib.sha256(data).hexdigest()))
-    scene = Scene(bodies, start, 1e6, PairRules())
-    return LoadedScene(path, path.read_bytes(), scene, Settings(), tuple(files), ())
 
 
 def log_writer(path: Path, scene: LoadedScene, epoch: int = 0) -> LogWriter:

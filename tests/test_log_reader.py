@@ -6,10 +6,9 @@ import os
 import random
 import struct
 from pathlib import Path
-from typing import Any, cast
 
-import numpy as np
 import pytest
+from bare_scenes import loaded
 from cli_process import closecall
 from guarded import memory_limited
 from mcap.data_stream import RecordBuilder
@@ -28,15 +27,12 @@ from closecall.formats.log.records import chunk_content
 from closecall.formats.log.writer import LogOptions, LogWriter, Topics
 from closecall.formats.scene.loaded import LoadedScene
 from closecall.scheduler.events import Bound, Distance, Feature, FeatureKind, Level, PairKey, Reason, Wakeup
-from closecall.scheduler.scene import Body, PairRules, Scene, Settings
+from closecall.scheduler.scene import Settings
 
 
 @pytest.fixture
 def scene(tmp_path: Path) -> LoadedScene:
-    path = tmp_path / "scene.yaml"
-    path.write_bytes(b"closecall: 1\n")
-    bodies = tuple(Body(name, None, np.eye(4), cast(Any, None), ()) for name in ("größe", "hammer"))
-    return LoadedScene(path, path.read_bytes(), Scene(bodies, 0.0, 10.0, PairRules()), Settings(), (), ())
+    return loaded(tmp_path, names=("größe", "hammer"), end=10.0)
 
 
 @pytest.fixture

@@ -13,10 +13,11 @@ from collections import Counter
 from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pytest
+from bare_scenes import loaded
 from mcap.reader import make_reader
 from mcap.records import Chunk, DataEnd, Header, Message
 from mcap.stream_reader import StreamReader, breakup_chunk
@@ -26,7 +27,7 @@ from closecall import __version__
 from closecall.formats.log import messages_pb2 as pb
 from closecall.formats.log.chunks import CHUNK_BYTES, Compression
 from closecall.formats.log.writer import LogOptions, LogWriter
-from closecall.formats.scene.loaded import InputFile, LoadedScene
+from closecall.formats.scene.loaded import LoadedScene
 from closecall.scheduler.events import (
     Bound,
     Collision,
@@ -43,24 +44,12 @@ from closecall.scheduler.events import (
     Verdict,
     Wakeup,
 )
-from closecall.scheduler.scene import Body, PairRules, Scene, Settings
+from closecall.scheduler.scene import Settings
 
 PAIR = PairKey(0, 0, 1)
 FEATURE_A = Feature(FeatureKind.EDGE, 1, 12, 2)
 FEATURE_B = Feature(FeatureKind.FACE, 0, 7, 0)
-
-
-def loaded(folder: Path, *, start: float = 0.0, end: float = 1e6, meshes: tuple[bytes, ...] = ()) -> LoadedScene:
-    path = folder / "scene.yaml"
-    path.write_bytes(b"closecall: 1\n")
-    bodies = tuple(Body(name, None, np.eye(4), cast(Any, None), ()) for name in ("gear", "hammer"))
-    files = []
-    for number, data in enumerate(meshes):
-        file = folder / f"{number}.stl"
-        file.write_bytes(data)
-        files.append(InputFile(f"part_{number}", file, hashlib.sha256(data).hexdigest()))
-    scene = Scene(bodies, start, end, PairRules())
-    return LoadedScene(path, path.read_bytes(), scene, Settings(), tuple(files), ("open mesh: surface only",))
+OPEN_MESH = "open mesh: surface only"
 
 
 def wakeup(time: float) -> Wakeup:
@@ -118,7 +107,7 @@ def metadata(path: Path) -> dict[str, dict[str, str]]:
 
 @pytest.mark.parametrize("compression", list(Compression))
 def test_readers_find_every_fact_under_every_compression(tmp_path, compression):
-    log = write(tmp_path / "out.mcap", loaded(tmp_path), compression=compression)
+    log = write(tmp_path / "out.mcap", loaded(tmp_path, warnings=(OPEN_MESH,)), compression=compression)
     topics = Counter(topic for topic, _, _ in decoded(log))
     assert topics == {"/wakeups": 2, "/distances": 1, "/collisions": 2, "/spans": 3, "/log": 5}
     assert set(tmp_path.iterdir()) == {log, tmp_path / "scene.yaml"}
@@ -206,7 +195,7 @@ def test_channels_exist_only_with_messages_and_schemas_once(tmp_path):
 
 
 def test_log_topic_tells_start_warnings_collisions_and_end(tmp_path):
-    scene = loaded(tmp_path)
+    scene = loaded(tmp_path, warnings=(OPEN_MESH,))
     with LogWriter(tmp_path / "out.mcap", scene, scene.settings, 1, LogOptions()) as log:
         log.warn("late warning", 7.0)
         for event in EVENTS:
@@ -215,7 +204,7 @@ def test_log_topic_tells_start_warnings_collisions_and_end(tmp_path):
     levels = [message.Level.Name(message.level) for message in told]
     assert levels == ["INFO", "WARNING", "ERROR", "INFO", "WARNING", "INFO"]
     assert "2 bodies, 1 pairs" in told[0].message
-    assert told[1].message == "open mesh: surface only"
+    assert told[1].message == OPEN_MESH
     assert "gear|hammer: contact begins" in told[2].message
     assert (told[4].message, told[4].timestamp.seconds) == ("late warning", 7)
     assert "1 contact" in told[-1].message
