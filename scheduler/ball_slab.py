@@ -5,12 +5,16 @@ A ball looks the same however it turns, so that its middle's motion alone counts
 
 from __future__ import annotations
 
-from math import inf
+from math import inf, ulp
 from typing import NamedTuple
 
 from .bounds import RELATIVE_ROUNDING, time_bound
-from .relative import Approach
+from .chain import Part
+from .relative import Approach, Moments, RelativeMotion
 from .vector import Vector, dot, norm, scale, subtract, unit
+
+#: So many slabs follow each other at most, and on the average each is to last for so small a share of what is asked.
+MOST_SLABS = 64
 
 
 class Gap(NamedTuple):
@@ -25,9 +29,14 @@ class Gap(NamedTuple):
         left = self.width - spare
         return time_bound(left, self.closing, self.bend) * (1.0 - RELATIVE_ROUNDING) if left > 0.0 else 0.0
 
+    def least(self, duration: float) -> float:
+        """Return a lower bound (m) on the width over the next `duration` s."""
+        lost = max(0.0, self.closing * duration + 0.5 * self.bend * duration**2)
+        return self.width - lost * (1.0 + RELATIVE_ROUNDING)
+
 
 class BallSlab:
-    """The slab between two balls at one time that lasts longest of two.
+    """The slab between two balls at one time that lasts longest of two, or of two that last, stays widest.
 
     One lies across the way between the middles now, the other across that way when they are nearest, as they go on.
 
@@ -56,7 +65,7 @@ class BallSlab:
         nearest = dot(apart, closing) / speed**2 if speed > 0.0 else 0.0
         meeting = subtract(apart, scale(min(max(0.0, nearest), self.horizon), closing))
         gaps = (self._across(unit(way), apart, closing) for way in (apart, meeting))
-        self._gap = max(gaps, key=lambda gap: (min(gap.lasts(beyond), self.horizon), -gap.closing))
+        self._gap = max(gaps, key=lambda gap: (min(gap.lasts(beyond), self.horizon), gap.least(self.horizon)))
 
     def sleep(self, spare: float) -> float:
         """Return how long (s, <= horizon) the slab stays wider than `spare` m; errs low."""
@@ -64,12 +73,97 @@ class BallSlab:
 
     def clearance(self, duration: float) -> float:
         """Return a lower bound (m) on the distance over the next `duration` s, -inf past the horizon."""
-        if duration > self.horizon:
-            return -inf
-        lost = max(0.0, self._gap.closing * duration + 0.5 * self._gap.bend * duration**2)
-        return self._gap.width - lost * (1.0 + RELATIVE_ROUNDING)
+        return self._gap.least(duration) if duration <= self.horizon else -inf
 
     def _across(self, way: Vector, apart: Vector, closing: Vector) -> Gap:
         """Return the gap between the balls along a unit vector."""
         bend = dot(way, self._near.steady) + self._near.varying.reach(way)
         return Gap(dot(way, apart) - self._lost, dot(way, closing) + self._slack, max(0.0, bend))
+
+
+class _Stage(NamedTuple):
+    """One of several slabs.
+
+    Attributes:
+        since: s after the first one, when it begins.
+        late: s, by how much later than it seems a time since then may be.
+        wanted: s, from then until the last time that may be asked of.
+        kept: m, lower bound on the distance until it begins.
+    """
+
+    since: float
+    late: float
+    wanted: float
+    kept: float
+    slab: BallSlab
+
+
+class BallSlabs:
+    """Slabs between the bounding balls of a pair, one after the other: a new one wherever a motion changes its law.
+
+    Where balls are is known by heart: no measurement is needed on the way.
+    """
+
+    def __init__(self, motion: RelativeMotion, error: float, moments: Moments, duration: float, beyond: float) -> None:
+        """Look ahead from a time.
+
+        Args:
+            motion: of the pair, whose balls are meant.
+            error: m, by which a distance may be wrong.
+            moments: of the pair at that time.
+            duration: s, how far ahead they may be asked of, before the next stop.
+            beyond: m, the width that slabs are chosen to keep; past where one does not there is none.
+        """
+        start, since, late, kept = moments.time, 0.0, 0.0, inf
+        self._duration = duration
+        self._stages: list[_Stage] = []
+        while True:
+            wanted = duration - since + late if since < duration else 0.0
+            slab = _slab_between(motion, error, moments, wanted, beyond)
+            self._stages.append(_Stage(since, late, wanted, kept, slab))
+            few = MOST_SLABS * (since + slab.horizon) >= (len(self._stages) - 1) * duration
+            if (
+                slab.horizon >= wanted
+                or slab.sleep(beyond) < slab.horizon
+                or not few
+                or len(self._stages) == MOST_SLABS
+            ):
+                return
+            late = 4.0 * ulp(abs(start) + duration)
+            before = moments.time + max(0.0, slab.horizon - late)
+            knot = motion.knot_after(moments.time)
+            moved = motion.displacement(motion.at(before), knot - before)
+            kept = min(kept, slab.clearance(slab.horizon) - moved * (1.0 + RELATIVE_ROUNDING))
+            if knot - start > duration or kept <= beyond:
+                return
+            moments, since = motion.at(knot), knot - start
+
+    def sleep(self, spare: float) -> float:
+        """Return how long (s) slabs stay wider than `spare` m; errs low."""
+        sleep = 0.0
+        for since, late, wanted, kept, slab in self._stages:
+            if kept <= spare:
+                break
+            lasts = slab.sleep(spare)
+            if lasts >= wanted:
+                return self._duration
+            sleep = since + max(0.0, lasts - late)
+        return sleep
+
+    def clearance(self, duration: float) -> float:
+        """Return a lower bound (m) on the distance over the next `duration` s, -inf where no slab reaches so far."""
+        if duration <= self._duration:
+            for since, late, wanted, kept, slab in self._stages:
+                lasts = min(max(0.0, duration - since + late), wanted)
+                if lasts <= slab.horizon:
+                    return min(kept, slab.clearance(lasts))
+        return -inf
+
+
+def _slab_between(motion: RelativeMotion, error: float, moments: Moments, duration: float, beyond: float) -> BallSlab:
+    """Return the slab between the bounding balls of a pair at one time, up to where a motion changes its law."""
+    a, b = moments.a, moments.b
+    near = motion.approach(moments, duration, Part.CENTRE)
+    closing = subtract(a.twist.of(a.centre), b.twist.of(b.centre))
+    taken = motion.radii + motion.spread(moments.time) + error
+    return BallSlab(subtract(b.centre, a.centre), taken, closing, beyond, near, motion.slack(moments))

@@ -15,9 +15,9 @@ from math import ceil, hypot, inf, nextafter
 import numpy as np
 
 from .bounds import spendable
-from .chain import anchors
 from .events import Window
 from .grid import BoxGrid
+from .lineage import anchors
 from .pair import Pair
 from .pairing import Pairing
 from .scene import FloatArray, IntArray, Scene

@@ -9,9 +9,9 @@ from math import inf
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .extent import Extent
+from .lineage import lineage
 from .motions import Axis, Fixed, Interval, Limits, Motion, Rates, Reach
 from .motions.spread import STILL, Spread, across, ball, shared
 from .rotation import FloatArray, crossed, mapped, translation_of, turned
@@ -100,16 +100,23 @@ class Chain:
         self.joints = joints
         self._tail_terms = tail_terms
         self.tail = tail
+        self._rests = [_plain(joint.rest) for joint in joints]
+        self._end = _plain(tail)
+        self._moment: Moment | None = None  # told last; and what was told last of rates
+        self._rates: tuple[Moment, float, Rates] | None = None
         self.ball = extent.ball
         self.extent = extent
         self._last_centre = mapped(tail, extent.ball.centre)
         self._last_reach = _exact_reach(joints[-1].motion.axis, tail, extent) if joints else None
 
     def at(self, t: float) -> Moment:
-        """Return the chain's pose and reaches at t."""
-        if not self.joints:
-            return self._still
-        placed: list[FloatArray] = [joint.rest @ joint.motion.pose(t) for joint in self.joints]
+        """Return the chain's pose and reaches at t; those asked for last are kept, for other pairs of the body."""
+        if self._moment is None or self._moment.time != t:
+            self._moment = self._placed(t) if self.joints else self._still
+        return self._moment
+
+    def _placed(self, t: float) -> Moment:
+        placed = [_joined(rest, joint.motion.pose(t)) for rest, joint in zip(self._rests, self.joints, strict=True)]
         reaches: list[Reach] = []
         centre = self._last_centre
         for joint, pose in zip(reversed(self.joints), reversed(placed), strict=True):
@@ -117,12 +124,12 @@ class Chain:
             centre = mapped(pose, centre)
         frames: list[FloatArray] = []
         above, twist = _WORLD, _STILL
-        for joint, pose in zip(self.joints, placed, strict=True):
-            frames.append(above @ joint.rest)
+        for rest, joint, pose in zip(self._rests, self.joints, placed, strict=True):
+            frames.append(_joined(above, rest))
             twist = _carried(twist, above, pose, frames[-1], joint.motion.velocities(t))
-            above = above @ pose
+            above = _joined(above, pose)
         twist = twist._replace(origin=translation_of(above))
-        return Moment(t, above @ self.tail, centre, tuple(reversed(reaches)), tuple(frames), twist)
+        return Moment(t, _joined(above, self._end), centre, tuple(reversed(reaches)), tuple(frames), twist)
 
     def displacement(self, moment: Moment, duration: float) -> float:
         """Return D >= |x(t + s) - x(t)| (m) of every point of the body in the ancestor's frame, 0 <= s <= duration.
@@ -149,6 +156,15 @@ class Chain:
 
     def rates(self, moment: Moment, duration: float) -> Rates:
         """Return suprema over [t, t + duration] of the last moved frame's rates in the ancestor's frame.
+
+        Those asked for last are kept.
+        """
+        if self._rates is None or self._rates[0] is not moment or self._rates[1] != duration:
+            self._rates = moment, duration, self._rates_of(moment, duration)
+        return self._rates[2]
+
+    def _rates_of(self, moment: Moment, duration: float) -> Rates:
+        """Return the rates, composed from the outermost joint on.
 
         Row 'chain, speeds': V = V_P + W_P L + V', A = A_P + (al_P + W_P^2) L + 2 W_P V' + A', and so on, L the
         farthest that the child's origin gets from its parent's. Where nothing above turns, directions stay as they are;
@@ -226,6 +242,22 @@ class Chain:
         return Moment(0.0, self.tail, self._last_centre, (), (), _STILL)
 
 
+def _plain(pose: FloatArray) -> FloatArray:
+    """Return a 4x4 pose, `_WORLD` itself where it is equal to that."""
+    return _WORLD if np.array_equal(pose, _WORLD) else pose
+
+
+def _joined(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Return one @ other, 4x4 each."""
+    if one is _WORLD:
+        return other
+    return one if other is _WORLD else one @ other
+
+
+def _turned(frame: FloatArray, vector: Vector) -> Vector:
+    return vector if frame is _WORLD else turned(frame, vector)
+
+
 def _carried(
     twist: Twist, above: FloatArray, placed: FloatArray, frame: FloatArray, velocities: tuple[Vector, Vector]
 ) -> Twist:
@@ -236,14 +268,19 @@ def _carried(
         above, placed, frame: 4x4, ancestor_from_above, above_from_moved, ancestor_from_rest.
         velocities: of the moved frame in its rest frame.
     """
+    velocity, angular_velocity = (_turned(frame, vector) for vector in velocities)
+    if above is _WORLD:
+        return Twist(ZERO, velocity, angular_velocity)
     arm = turned(above, translation_of(placed))
-    v = add(add(twist.velocity, cross(twist.angular_velocity, arm)), turned(frame, velocities[0]))
-    return Twist(twist.origin, v, add(twist.angular_velocity, turned(frame, velocities[1])))
+    v = add(add(twist.velocity, cross(twist.angular_velocity, arm)), velocity)
+    return Twist(twist.origin, v, add(twist.angular_velocity, angular_velocity))
 
 
 def _in_frame(joint: Joint, frame: FloatArray, t: float, duration: float) -> Rates:
     """Return a joint's rates over [t, t + duration] in the frame that `frame` (4x4) maps its rest frame to."""
     rates = joint.motion.rates(t, duration)
+    if frame is _WORLD:
+        return rates
     axis = None if rates.axis is None else turned(frame, rates.axis)
     return rates._replace(varying=rates.varying.turned(frame), steady=turned(frame, rates.steady), axis=axis)
 
@@ -260,46 +297,6 @@ def origin_reach(motion: Motion) -> Reach:
     """Return the reach of the moved frame's origin alone."""
     axis = motion.axis
     return Reach(0.0, 0.0 if axis is None else distance_to_line(ZERO, axis.point, axis.direction))
-
-
-def lineage(bodies: tuple[Body, ...], body: int) -> tuple[int, ...]:
-    """Return the body and its ancestors, nearest first."""
-    line = [body]
-    while (parent := bodies[line[-1]].parent) is not None:
-        line.append(parent)
-    return tuple(line)
-
-
-def anchor(bodies: tuple[Body, ...], body: int) -> int | None:
-    """Return the nearest of a body and its ancestors that moves in its parent; bodies of one never part."""
-    return next((index for index in lineage(bodies, body) if not isinstance(bodies[index].motion, Fixed)), None)
-
-
-def anchors(bodies: tuple[Body, ...]) -> NDArray[np.int64]:
-    """Return every body's anchor, (n,); -1 for none."""
-    found = (anchor(bodies, index) for index in range(len(bodies)))
-    return np.array([-1 if at is None else at for at in found], dtype=np.int64)
-
-
-def parents_first(bodies: tuple[Body, ...]) -> tuple[int, ...]:
-    """Return the bodies' indices ordered so that a parent comes before its children."""
-    order: list[int] = []
-    placed: set[int] = set()
-    for body in range(len(bodies)):
-        missing = []
-        above: int | None = body
-        while above is not None and above not in placed:
-            missing.append(above)
-            above = bodies[above].parent
-        order.extend(reversed(missing))
-        placed.update(missing)
-    return tuple(order)
-
-
-def common_ancestor(bodies: tuple[Body, ...], a: int, b: int) -> int | None:
-    """Return the lowest common ancestor, which may be a or b itself; None for the world."""
-    above_b = set(lineage(bodies, b))
-    return next((body for body in lineage(bodies, a) if body in above_b), None)
 
 
 def chain_to(bodies: tuple[Body, ...], body: int, ancestor: int | None, extent: Extent) -> Chain:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .chain import anchors
+from .lineage import anchors
 from .scene import IntArray, PairRules, Scene
 
 

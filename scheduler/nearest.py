@@ -6,10 +6,10 @@ from heapq import nsmallest
 
 import numpy as np
 
-from .chain import anchor, lineage
 from .events import Collision, Nearness, Snapshot
 from .extent import body_extents
 from .grid import BoxGrid
+from .lineage import anchor, lineage
 from .pair import Pair
 from .pairing import Pairing
 from .poses import WorldPoses

@@ -54,7 +54,7 @@ class Outlook:
         self._measurement = measurement
         self._keeps = keeps
         exact = measurement.proximity is not None
-        self._balls = Ahead(lambda duration: pair.ball_slab(measurement, duration, keeps))
+        self._balls = Ahead(lambda duration: pair.ball_slabs(measurement, duration, keeps))
         self._slab = Ahead(lambda duration: pair.slab(measurement, duration, keeps) if exact else None)
         self._slabs = Ahead(lambda duration: pair.slabs(measurement, duration, keeps) if exact else None)
 
@@ -69,6 +69,8 @@ class Outlook:
         balls = self._balls.until(horizon).sleep(self._keeps)
         if balls >= horizon:
             return horizon, Bound.DIRECTIONAL
+        if here.proximity is None and balls >= min(horizon, STEPS_TOO_FEW * floor):
+            return shortened(here.time, balls), Bound.DIRECTIONAL
         spare = max(0.0, spendable(here.clearance) - self._keeps)  # as `proof` has it
         sleep, bound = self._pair.motion.sleep(here.moments, here.time, spare, horizon)
         balls = shortened(here.time, balls)
@@ -86,11 +88,13 @@ class Outlook:
         """Return what is certain of the time until a later measurement; no jump lies between."""
         here, motion = self._measurement, self._pair.motion
         duration = after.time - here.time
+        parted = self._balls.until(duration).clearance(duration)
+        if here.proximity is None and parted > self._keeps:
+            return Proof(min(parted, here.clearance), 0.0)
         proof = motion.proof(here.moments, here.clearance, duration, after.clearance)
         if self._slab.known is None and self._slabs.known is None and proof.clearance <= self._keeps:
             self._slab.until(duration)
             self._slabs.until(duration)
-        parted = self._balls.until(duration).clearance(duration)
         if self._slab.known is not None:
             parted = max(parted, self._slab.known.clearance(duration))
         if self._slabs.known is not None:

@@ -8,15 +8,16 @@ from math import inf
 
 import numpy as np
 
-from .ball_slab import BallSlab
-from .chain import Part, Twist, common_ancestor, lineage
+from .ball_slab import BallSlabs
+from .chain import Part, Twist
 from .directional import Slabs
 from .events import Distance, Feature, FeatureKind, Level, PairKey, Verdict
+from .lineage import common_ancestor, lineage
 from .narrow_phase import NarrowPhase
 from .nearby import NearTriangles
 from .overlap import Overlaps, proper
 from .proximity import Proximity, Rounded
-from .relative import CANCELLATION, Moments, RelativeMotion
+from .relative import Moments, RelativeMotion
 from .rotation import FloatArray, mapped, translation_of
 from .scene import Scene
 from .slab import Points, Slab
@@ -113,13 +114,13 @@ class Pair:
 
     def measure(self, t: float) -> Measurement:
         """Measure how far apart the surfaces are at t; whether one is inside the other is asked separately."""
-        return self.measure_beyond(t, self.margin + SPHERES_SUFFICE * self._radii)
+        return self.measure_beyond(t, self.margin + SPHERES_SUFFICE * self.motion.radii)
 
     def measure_beyond(self, t: float, far: float) -> Measurement:
         """Measure the same, by bounding spheres where they are farther apart than `far` m."""
         moments = self.motion.at(t)
         centres = norm(subtract(moments.a.centre, moments.b.centre))
-        clearance = centres - self._radii - self.motion.spread(t) - self.error
+        clearance = centres - self.motion.radii - self.motion.spread(t) - self.error
         if clearance > far and not self._round:
             return Measurement(t, moments, Level.SPHERE, clearance, inf, self.margin, None)
         return self._measured_exactly(t, moments)
@@ -130,7 +131,7 @@ class Pair:
 
     def far(self, clearance: float) -> bool:
         """Tell whether a clearance (m) by bounding spheres says enough of a pair."""
-        return clearance - self.margin > SPHERES_SUFFICE * self._radii
+        return clearance - self.margin > SPHERES_SUFFICE * self.motion.radii
 
     def _measured_exactly(self, t: float, moments: Moments) -> Measurement:
         if self._round:
@@ -180,7 +181,7 @@ class Pair:
         found = self._triangles_within(moments, reach + spread + 2.0 * self.error)
         if found is None:
             return None
-        twists, slack = self._twists(moments)
+        twists, slack = self._twists(moments), self.motion.slack(moments)
         proximity = measurement.proximity
         assert proximity is not None
         direction = unit(subtract(proximity.witness_b, proximity.witness_a))
@@ -198,7 +199,7 @@ class Pair:
         proximity = measurement.proximity
         assert proximity is not None
         near = self.motion.approach(moments, duration, Part.CORE)
-        twists, slack = self._twists(moments)
+        twists, slack = self._twists(moments), self.motion.slack(moments)
         centre = moments.a.pose[:3, 3]
         chains = zip((self.motion.a, self.motion.b), (moments.a.pose, moments.b.pose), twists, strict=True)
         one, other = (
@@ -210,21 +211,15 @@ class Pair:
         error = self.error + self.motion.spread(measurement.time)
         return Slab(one, other, nearest, error, beyond, near, slack)
 
-    def ball_slab(self, measurement: Measurement, duration: float, beyond: float) -> BallSlab:
-        """Return the slab between the bodies' bounding balls at a measurement.
+    def ball_slabs(self, measurement: Measurement, duration: float, beyond: float) -> BallSlabs:
+        """Return the slabs between the bodies' bounding balls from a measurement on.
 
         Args:
             measurement: of any level.
-            duration: s, how far ahead it may be asked of.
-            beyond: m, the width that it is chosen to keep.
+            duration: s, how far ahead they may be asked of.
+            beyond: m, the width that they are chosen to keep.
         """
-        moments, t = measurement.moments, measurement.time
-        near = self.motion.approach(moments, duration, Part.CENTRE)
-        (one, other), slack = self._twists(moments)
-        centre = translation_of(moments.a.pose)
-        closing = subtract(one.of(subtract(moments.a.centre, centre)), other.of(subtract(moments.b.centre, centre)))
-        taken = self._radii + self.motion.spread(t) + self.error
-        return BallSlab(subtract(moments.b.centre, moments.a.centre), taken, closing, beyond, near, slack)
+        return BallSlabs(self.motion, self.error, measurement.moments, duration, beyond)
 
     def overlaps(self, measurement: Measurement, duration: float) -> Overlaps | None:
         """Return the overlaps of touching bodies' triangles, of some where there are many; None of far too many.
@@ -238,24 +233,18 @@ class Pair:
         if found is None:
             return None
         near = self.motion.approach(moments, duration, Part.CORE)
-        twists, slack = self._twists(moments)
+        twists, slack = self._twists(moments), self.motion.slack(moments)
         return Overlaps(proper(found), twists, self.error, near, slack)
 
     def _triangles_within(self, moments: Moments, reach: float, some: bool = False) -> NearTriangles | None:
         """Return the pairs of triangles that may be within `reach` (m), as seen from the first body's place."""
         return self._narrow_phase.triangles_within(self._a, self._b, moments.a.pose, moments.b.pose, reach, some)
 
-    def _twists(self, moments: Moments) -> tuple[tuple[Twist, Twist], float]:
-        """Return how both bodies move, as seen from the first one's place, and by how much (m/s) that may be wrong.
-
-        Balls that grow are wrong by how fast they do.
-        """
+    def _twists(self, moments: Moments) -> tuple[Twist, Twist]:
+        """Return how both bodies move, as seen from the first one's place."""
         centre = translation_of(moments.a.pose)
         a, b = moments.a.twist, moments.b.twist
-        slack = CANCELLATION * (self.motion.a.fastest(a) + self.motion.b.fastest(b))
-        slack += self.motion.growth_speed(moments.time)
-        one, other = (twist._replace(origin=subtract(twist.origin, centre)) for twist in (a, b))
-        return (one, other), slack
+        return a._replace(origin=subtract(a.origin, centre)), b._replace(origin=subtract(b.origin, centre))
 
     def distance(self, measurement: Measurement) -> Distance | None:
         """Return the measurement as it is reported, in the world's frame; None where nothing exact was measured.
@@ -281,11 +270,6 @@ class Pair:
             proximity.feature_a(),
             proximity.feature_b(),
         )
-
-    @cached_property
-    def _radii(self) -> float:
-        """The sum of both balls' radii, m."""
-        return self.motion.a.ball.radius + self.motion.b.ball.radius
 
     @cached_property
     def _round(self) -> bool:

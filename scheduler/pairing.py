@@ -7,9 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .chain import Chain, anchor, chain_to, common_ancestor, lineage
+from .chain import Chain, chain_to
 from .events import PairKey
 from .extent import Ball, Extent, body_extents
+from .lineage import anchor, common_ancestor, lineage
 from .motions import Limits
 from .narrow_phase import NarrowPhase
 from .pair import Pair

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .chain import lineage
+from .lineage import lineage
 from .motions import Fixed
 from .rotation import FloatArray
 from .scene import Body

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from .bounds import longest_sleep, shortened, spendable, time_bound, two_sided_clearance
 from .chain import Chain, Moment, Part
 from .events import Bound
-from .motions import Interval, Limits, Rates
+from .motions import Interval, Limits
 from .motions.spread import Spread, across, ball
 from .vector import Vector, norm, subtract
 
@@ -70,6 +70,7 @@ class RelativeMotion:
 
     Attributes:
         unknown: what limits how fast such balls grow.
+        radii: m, of both bounding balls together.
     """
 
     def __init__(self, a: Chain, b: Chain, unknown: tuple[Limits, ...] = ()) -> None:
@@ -77,8 +78,7 @@ class RelativeMotion:
         self.a = a
         self.b = b
         self.unknown = unknown
-        self._asked: tuple[Moments, float] | None = None  # what the rates below are those of
-        self._told: tuple[float, Rates, Rates]
+        self.radii = a.ball.radius + b.ball.radius
 
     @property
     def rigid(self) -> bool:
@@ -120,7 +120,8 @@ class RelativeMotion:
         each body's radius about its own frame origin o; v holds at the start, a is the supremum until the horizon.
         """
         t = moments.time
-        horizon, rates_a, rates_b = self._rates(moments, duration)
+        horizon = self._horizon(t, duration)
+        rates_a, rates_b = self.a.rates(moments.a, horizon), self.b.rates(moments.b, horizon)
         (_, v_a, w_a), (_, v_b, w_b) = moments.a.twist, moments.b.twist
         radius_a, radius_b = self.a.radius(part), self.b.radius(part)
         speed = norm(subtract(v_a, v_b)) + norm(w_a) * radius_a + norm(w_b) * radius_b
@@ -134,15 +135,19 @@ class RelativeMotion:
         varying = varying.plus(ball(lost + sum(limits.acceleration_after(t) for limits in self.unknown)))
         return Approach(speed, norm(steady) + varying.size, horizon, steady, varying)
 
-    def _rates(self, moments: Moments, duration: float) -> tuple[float, Rates, Rates]:
-        """Return until when (s) no rate jumps, at most `duration`, and both bodies' rates until then."""
-        if self._asked is None or self._asked[0] is not moments or self._asked[1] != duration:
-            t = moments.time
-            knot = min(self.a.knot_after(t), self.b.knot_after(t), *(limits.knot_after(t) for limits in self.unknown))
-            horizon = duration if knot - t > duration else min(duration, shortened(t, knot - t))
-            self._asked = moments, duration
-            self._told = horizon, self.a.rates(moments.a, horizon), self.b.rates(moments.b, horizon)
-        return self._told
+    def slack(self, moments: Moments) -> float:
+        """Return by how much (m/s) velocities may be wrong; balls that grow are wrong by how fast they do."""
+        slack = CANCELLATION * (self.a.fastest(moments.a.twist) + self.b.fastest(moments.b.twist))
+        return slack + self.growth_speed(moments.time)
+
+    def knot_after(self, t: float) -> float:
+        """Return the first time > t at which a rate may jump (inf: none)."""
+        return min(self.a.knot_after(t), self.b.knot_after(t), *(limits.knot_after(t) for limits in self.unknown))
+
+    def _horizon(self, t: float, duration: float) -> float:
+        """Return until when (s) no rate jumps, at most `duration`."""
+        knot = self.knot_after(t)
+        return duration if knot - t > duration else min(duration, shortened(t, knot - t))
 
     def growth_speed(self, t: float) -> float:
         """Return how fast (m/s) balls grow at t, or just after."""

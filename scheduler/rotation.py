@@ -32,6 +32,13 @@ def apply(rows: Rows, q: Vector) -> Vector:
     return (dot(rows[0], q), dot(rows[1], q), dot(rows[2], q))
 
 
+def multiplied(one: Rows, other: Rows) -> Rows:
+    """Return the rotation by `other` and then by `one`."""
+    (a, b, c), (d, e, f), (g, h, i) = other
+    x, y, z = ((p * a + q * d + r * g, p * b + q * e + r * h, p * c + q * f + r * i) for p, q, r in one)
+    return (x, y, z)
+
+
 def transform(rows: Rows, translation: Vector) -> FloatArray:
     """Return the 4x4 matrix that turns by `rows` and then translates (m)."""
     a, b, c = rows

@@ -1,4 +1,4 @@
-"""The slab between bounding balls, held against dense samples of their closed-form gap."""
+"""Slabs between bounding balls, held against dense samples of their closed-form gap."""
 
 from math import hypot, inf
 
@@ -7,16 +7,18 @@ import pytest
 from drawn_motions import CONTINUOUS, random_chain, random_unit, vector
 from small_scenes import box, events_of
 
-from closecall.scheduler.ball_slab import BallSlab
-from closecall.scheduler.chain import Part
+from closecall.scheduler.ball_slab import MOST_SLABS, BallSlab, BallSlabs
+from closecall.scheduler.chain import Chain, Joint, Part
 from closecall.scheduler.events import Bound, Span, Wakeup
-from closecall.scheduler.motions import Constant, Fixed
-from closecall.scheduler.motions.spread import STILL, ball
+from closecall.scheduler.extent import Ball, Extent
+from closecall.scheduler.motions import Constant, Fixed, Keyframes, Translation
+from closecall.scheduler.motions.spread import STILL, Spread, ball
 from closecall.scheduler.relative import Approach, RelativeMotion
 from closecall.scheduler.scene import Body
 from closecall.scheduler.vector import subtract
 
 CASES = 400
+PATHS = 100
 SAMPLES = 40
 ROUNDING = 1e-9
 STEADY = Approach(0.0, 0.0, 10.0, (0.0, 0.0, 0.0), STILL)
@@ -74,6 +76,84 @@ def test_the_clearance_of_the_slab_is_kept():
     assert told > CASES // 3
 
 
+class Path:
+    """Two balls on random chains of motions, so large that they are apart at first, and the slabs between them."""
+
+    def __init__(self, rng) -> None:
+        size = float(10.0 ** rng.uniform(-2, 0.5))
+        one, other = (random_chain(rng, rng.normal(size=(5, 3)) * size, 0.0, CONTINUOUS) for _ in range(2))
+        self.motion = RelativeMotion(one, other)
+        self.t, self.duration = float(rng.uniform(-1, 1)), float(10.0 ** rng.uniform(-1, 1))
+        moments = self.motion.at(self.t)
+        self.grown = self.between(moments) * (1.0 - float(rng.uniform(0.05, 1.0))) - self.motion.radii
+        self.beyond = float(rng.choice([0.0, 0.02])) * self.motion.radii
+        self.slabs = BallSlabs(self.motion, self.grown, moments, self.duration, self.beyond)
+
+    def between(self, moments) -> float:
+        return float(np.linalg.norm(np.subtract(moments.b.centre, moments.a.centre)))
+
+    def nearest(self, duration) -> float:
+        """Return the least gap (m) at samples of the time from t on."""
+        times = self.t + np.linspace(0.0, duration, 2 * SAMPLES)
+        gaps = [self.between(self.motion.at(t)) for t in times.tolist()]
+        return min(gaps) - self.motion.radii - self.grown
+
+
+def test_balls_stay_apart_while_slabs_follow_each_other():
+    rng = np.random.default_rng(3)
+    slept = followed = 0
+    for _ in range(PATHS):
+        path = Path(rng)
+        for spare in (path.beyond, 3.0 * path.beyond):
+            sleep = path.slabs.sleep(spare)
+            assert 0.0 <= sleep <= path.duration
+            slept += sleep > 0.0
+            followed += path.t + sleep > path.motion.knot_after(path.t)
+            assert sleep == 0.0 or path.nearest(sleep) >= spare - ROUNDING
+            assert sleep == 0.0 or path.slabs.clearance(sleep) >= spare - ROUNDING
+    assert slept > PATHS
+    assert followed > PATHS // 20
+
+
+def test_the_clearance_of_slabs_that_follow_each_other_is_kept():
+    rng = np.random.default_rng(4)
+    told = followed = 0
+    for _ in range(PATHS):
+        path = Path(rng)
+        for duration in (path.duration * float(rng.uniform(0, 1)), path.slabs.sleep(path.beyond)):
+            clearance = path.slabs.clearance(duration)
+            told += clearance > -inf
+            followed += clearance > -inf and path.t + duration > path.motion.knot_after(path.t)
+            assert clearance == -inf or path.nearest(duration) >= clearance - ROUNDING
+        assert path.slabs.clearance(1.01 * path.duration) == -inf
+    assert told > PATHS
+    assert followed > PATHS // 20
+
+
+def bouncing(count, seconds) -> RelativeMotion:
+    """A ball 1 m wide that goes to and fro between 2 m and 3 m from another, from key to key, as often as that."""
+    times = np.linspace(0.0, seconds, count + 1)
+    places = np.array([(2.0 + index % 2, 0.0, 0.0) for index in range(count + 1)])
+    turns = np.tile((1.0, 0.0, 0.0, 0.0), (count + 1, 1))
+    path = Keyframes(times, places, turns, Translation.LINEAR, step_rotation=False)
+    extent = Extent(np.zeros((1, 3)), np.array([0.5]), Ball((0.0, 0.0, 0.0), 0.5))
+    return RelativeMotion(Chain((), np.eye(4), extent), Chain((Joint(np.eye(4), path),), np.eye(4), extent))
+
+
+def test_what_bounces_is_slept_past_all_its_keys():
+    motion = bouncing(10, 10.0)
+    slabs = BallSlabs(motion, 0.0, motion.at(0.3), 9.7, 0.0)
+    assert slabs.sleep(0.0) == 9.7
+    assert slabs.clearance(9.7) == pytest.approx(1.0, rel=1e-9)
+    assert slabs.clearance(1.2) == pytest.approx(1.3, rel=1e-9)  # it comes back from 3 m as far as 2.5 m
+    assert slabs.sleep(1.25) == pytest.approx(1.45, rel=1e-9)  # and as 2.25 m after that, and again and again
+
+
+def test_keys_that_lie_close_together_are_not_followed_for_ever():
+    motion = bouncing(10 * MOST_SLABS, 10.0)
+    assert 0.0 < BallSlabs(motion, 0.0, motion.at(0.0), 10.0, 0.0).sleep(0.0) < 0.1
+
+
 def test_what_passes_by_on_a_straight_line_is_slept_past():
     """From 5 m away at 1 m/s, past at 0.3 m: the slab across the way when nearest lasts, the one across it now not."""
     slab = BallSlab((5.0, 0.8, 0.0), 0.5, (1.0, 0.0, 0.0), 0.0, STEADY, 0.0)
@@ -94,6 +174,14 @@ def test_what_may_brake_or_turn_back_is_given_the_time_that_takes():
     ahead = Approach(0.0, 2.0, 10.0, (0.0, 0.0, 0.0), ball(2.0))
     slab = BallSlab((0.0, 0.0, 1.0), 0.5, (0.0, 0.0, -1.0), 0.0, ahead, 0.0)
     assert slab.sleep(0.0) == pytest.approx((1.0 + hypot(1.0, 2.0**0.5)) / 2.0, rel=1e-9)
+
+
+def test_of_slabs_that_last_the_widest_is_taken():
+    """It comes at 1 m/s, and swerves across by up to 2 m/s^2: across the way between the middles now less is lost."""
+    ahead = Approach(0.0, 2.0, 1.0, (0.0, 0.0, 0.0), Spread(lines=((0.0, 2.0, 0.0),)))
+    slab = BallSlab((5.0, 0.8, 0.0), 0.5, (1.0, 0.0, 0.0), 0.0, ahead, 0.0)
+    now = hypot(5.0, 0.8)
+    assert slab.clearance(1.0) == pytest.approx(now - 0.5 - (5.0 + 0.8) / now, rel=1e-9)
 
 
 def test_slack_and_errors_are_taken_off():

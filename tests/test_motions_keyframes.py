@@ -1,11 +1,14 @@
 """Keyframes: how they run from key to key, where they jump, and what long or rough ones cost."""
 
+from fractions import Fraction
+from math import inf, nextafter
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from closecall.scheduler.motions import Keyframes, Reach, Translation
-from closecall.scheduler.motions.spans import Boxes
+from closecall.scheduler.motions.spans import Boxes, end_of
 
 
 def test_slerp_turns_the_short_way_at_a_constant_rate():
@@ -111,3 +114,11 @@ def test_the_farthest_of_many_boxes_is_that_of_all():
         assert truth * (1 - 1e-15) <= found
         if last - first <= 1:
             assert found == pytest.approx(truth)
+
+
+def test_a_stretch_of_keys_ends_at_the_first_float_that_time_and_duration_are_not_past() -> None:
+    rng = np.random.default_rng(11)
+    for _ in range(2000):
+        t, duration = float(rng.normal() * 10.0 ** rng.uniform(-3, 6)), float(10.0 ** rng.uniform(-14, 4))
+        end, exact = end_of(t, duration), Fraction(t) + Fraction(duration)
+        assert Fraction(nextafter(end, -inf)) < exact <= Fraction(end)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ...scheduler.chain import parents_first
+from ...scheduler.lineage import parents_first
 from ...scheduler.motions import Interval
 from ...scheduler.scene import Body, Scene, Settings, least_duration
 from .document import Findings

@@ -8,12 +8,12 @@ from math import inf, nextafter
 
 import numpy as np
 
-from ..rotation import FloatArray, chord
+from ..rotation import FloatArray, chord, transform
 from ..vector import ZERO, Vector, norm, unit
 from .base import Axis, Interval, Rates, Reach
 from .hermite import Translation, path_between
 from .path import Path
-from .spans import Span
+from .spans import Span, end_of
 from .spread import STILL
 from .turning import Turning
 
@@ -63,22 +63,19 @@ class Keyframes:
     def pose(self, t: float) -> FloatArray:
         """Return rest_from_moved, 4x4; at a stepped key the pose after the step."""
         key, since = self.segment(t)
-        pose = np.eye(4)
-        pose[:3, :3] = self.turning.rotation(key, since)
-        pose[:3, 3] = self.path.position(key, since)
-        return pose
+        return transform(self.turning.rotation(key, since), self.path.position(key, since))
 
     def displacement(self, t: float, duration: float, reach: Reach) -> float:
         """Row 'polynomial, Hermite', or the farthest corner of the boxes around whole segments, or the path gone.
 
         And row 'any rotation of bounded rate', about the point.
         """
-        span = self.span(t, nextafter(t + duration, inf))
+        span = self.span(t, end_of(t, duration))
         return self.path.displacement(span) + chord(self.turning.angle(span), reach.radius)
 
     def path_length(self, t: float, duration: float, reach: Reach) -> float:
         """Return the path of the origin plus the arc about it."""
-        span = self.span(t, nextafter(t + duration, inf))
+        span = self.span(t, end_of(t, duration))
         return self.path.length(span) + self.turning.angle(span) * reach.radius
 
     def velocities(self, t: float) -> tuple[Vector, Vector]:

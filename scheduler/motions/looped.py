@@ -12,6 +12,7 @@ from ..vector import Vector
 from .base import Axis, Interval, Rates, Reach, farthest_from_zero
 from .bernstein import EPSILON
 from .keyframes import Keyframes, stop_before
+from .spans import end_of
 
 #: The ends of a loop are the same where they differ by less than this many eps, of a turn and of the coordinates.
 SAME = 4.0
@@ -190,7 +191,7 @@ class Looped:
         A jump at the end is left out, so no loop is entered where the ends differ.
         """
         first, start = self._locate(t)
-        last, end = self._locate(nextafter(t + duration, inf))
+        last, end = self._locate(end_of(t, duration))
         if last > first and self._jumps:
             return 0, start, self._period
         return last - first, start, end

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..rotation import FloatArray
-from ..vector import ZERO, Vector
+from ..vector import ZERO, Vector, norm, subtract
 from .bernstein import EPSILON, Arc, cell_matrix
 from .spans import BoolArray, Boxes, RunningSum, Span
 from .spread import STILL, Spread
@@ -28,6 +28,7 @@ class Path:
         "_coefficients",
         "_durations",
         "_recent",
+        "_row",
         "_sizes",
         "_speeds",
         "_travelled",
@@ -51,6 +52,7 @@ class Path:
         terms = sizes * self._durations[:, None] ** np.arange(degree + 1)
         self.extent = float(np.max(np.sum(terms, axis=1)))
         self._recent: list[tuple[int, float, Arc, Arc]] = []
+        self._row: tuple[int, list[list[float]]] = -1, []
         self._speeds: list[float] | None = None
         if degree < 2:
             speeds = np.linalg.norm(coefficients[:, 1], axis=1) if degree else np.zeros(len(coefficients))
@@ -73,21 +75,21 @@ class Path:
         """The place just before the last key, (3,) m."""
         return np.asarray(self._coefficients[-2 if np.any(self.jumps[-1:]) else -1, 0])
 
-    def position(self, key: int, since: float) -> FloatArray:
-        """Return the place, (3,) m."""
-        terms = self._coefficients[key]
-        place = terms[-1]
-        for term in terms[-2::-1]:
-            place = place * since + term
-        return np.asarray(place)
+    def position(self, key: int, since: float) -> Vector:
+        """Return the place, m."""
+        terms = self._terms(key)
+        x, y, z = terms[-1]
+        for a, b, c in terms[-2::-1]:
+            x, y, z = x * since + a, y * since + b, z * since + c
+        return (x, y, z)
 
     def velocity(self, key: int, since: float) -> Vector:
         """Return m/s, right-hand at a key."""
-        terms = self._coefficients[key]
-        velocity = np.zeros(3)
+        terms = self._terms(key)
+        x = y = z = 0.0
         for order in range(len(terms) - 1, 0, -1):
-            velocity = velocity * since + order * terms[order]
-        x, y, z = velocity.tolist()
+            a, b, c = terms[order]
+            x, y, z = x * since + order * a, y * since + order * b, z * since + order * c
         return (x, y, z)
 
     def rates(self, key: int, since: float, duration: float) -> tuple[float, Vector, Spread]:
@@ -127,23 +129,21 @@ class Path:
         rest = arc.supremum(max(0.0, float(self._durations[first]) - since_first))
         return max(rest, self._farthest_onwards(self.position(first, since_first), first, last, since_last))
 
-    def farthest(self, place: FloatArray, span: Span) -> float:
-        """Return an upper bound (m) on the distance of a place, (3,) m, from any point of the span."""
+    def farthest(self, place: Vector, span: Span) -> float:
+        """Return an upper bound (m) on the distance of a place (m) from any point of the span."""
         first, since_first, last, since_last = span
         if self._speeds is not None:
-            x, y, z = place.tolist()
             ends = (self.position(first, since_first), self.position(last, since_last))
-            nearby = max(float(np.linalg.norm(end - place)) for end in ends)
-            return max(nearby, self._boxes.farthest((x, y, z), first + 1, last + 1))
+            nearby = max(norm(subtract(end, place)) for end in ends)
+            return max(nearby, self._boxes.farthest(place, first + 1, last + 1))
         if first == last:
             return self._farthest_within(place, first, since_first, since_last - since_first)
         rest = self._farthest_within(place, first, since_first, float(self._durations[first]) - since_first)
         return max(rest, self._farthest_onwards(place, first, last, since_last))
 
-    def _farthest_onwards(self, place: FloatArray, first: int, last: int, since_last: float) -> float:
+    def _farthest_onwards(self, place: Vector, first: int, last: int, since_last: float) -> float:
         """Return the distance (m) of a place from the segments after `first` and part of the last."""
-        x, y, z = place.tolist()
-        whole = self._boxes.farthest((x, y, z), first + 1, last)
+        whole = self._boxes.farthest(place, first + 1, last)
         return max(whole, self._farthest_within(place, last, 0.0, since_last))
 
     def _stretch(self, key: int, since: float, duration: float) -> float:
@@ -154,10 +154,16 @@ class Path:
         velocity = self._arc(key).derivative() if since == 0.0 else self._from(key, since)[1]
         return velocity.integral(duration)
 
-    def _farthest_within(self, place: FloatArray, key: int, since: float, duration: float) -> float:
+    def _farthest_within(self, place: Vector, key: int, since: float, duration: float) -> float:
         """Return the distance (m) of a place from part of one segment."""
         arc = self._arc(key) if since == 0.0 else self._arc(key).shifted(since)
-        return arc.away_from(place, self.extent).supremum(max(0.0, duration))
+        return arc.away_from(np.array(place), self.extent).supremum(max(0.0, duration))
+
+    def _terms(self, key: int) -> list[list[float]]:
+        """Return a segment's coefficients; the last are kept."""
+        if self._row[0] != key:
+            self._row = key, self._coefficients[key].tolist()
+        return self._row[1]
 
     def _arc(self, key: int) -> Arc:
         return Arc(self._coefficients[key], self._sizes[key], float(self._durations[key]))

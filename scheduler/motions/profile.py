@@ -10,6 +10,7 @@ from math import copysign, hypot, inf, nextafter, sqrt
 from ..rotation import IDENTITY, FloatArray, apply, chord, transform, turn, turned_about
 from ..vector import ZERO, Vector, cross, distance_to_line, norm, scale
 from .base import Axis, Interval, Rates, Reach
+from .spans import end_of
 from .spread import STILL, disc
 
 
@@ -167,7 +168,7 @@ class Profile:
 
         Summed phase by phase from the mean speed of each, which does not cancel as a difference of places would.
         """
-        end = nextafter(t + duration, inf)
+        end = end_of(t, duration)
         marks = (t, *(knot for knot in self._knots if t < knot < end), end)
         total = 0.0
         for first, last in pairwise(marks):

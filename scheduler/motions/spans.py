@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import fsum, inf, nextafter
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +21,12 @@ class Span(NamedTuple):
     since_first: float
     last: int
     since_last: float
+
+
+def end_of(t: float, duration: float) -> float:
+    """Return a time (s) that `t + duration` is not past: the float nearest to it, or the next one."""
+    end = t + duration
+    return nextafter(end, inf) if fsum((t, duration, -end)) > 0.0 else end
 
 
 class RunningSum:

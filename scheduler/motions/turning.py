@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..rotation import FloatArray, rotation_of_quaternion, turn
+from ..rotation import IDENTITY, FloatArray, Rows, multiplied, rotation_of_quaternion, turn
 from ..vector import Vector, scale
 from .spans import BoolArray, RunningSum, Span
 
@@ -17,7 +17,17 @@ class Turning:
         fastest: rad/s, the greatest rate anywhere.
     """
 
-    __slots__ = ("_axes", "_durations", "_quaternions", "_rates", "_rotations", "_turned", "fastest", "jumps")
+    __slots__ = (
+        "_axes",
+        "_durations",
+        "_quaternions",
+        "_rates",
+        "_recent",
+        "_rotations",
+        "_turned",
+        "fastest",
+        "jumps",
+    )
 
     def __init__(self, quaternions: FloatArray, durations: FloatArray, steps: bool) -> None:
         """Take the keys' quaternions (keys, 4) w x y z, of either sign, and the seconds between them (keys - 1,)."""
@@ -30,6 +40,7 @@ class Turning:
         self._axes: list[list[float]] = [*axes.tolist(), [1.0, 0.0, 0.0]]
         self._rates: list[float] = [*(angles / durations).tolist(), 0.0]
         self._rotations = np.array([rotation_of_quaternion(*map(float, q)) for q in quaternions])
+        self._recent: tuple[int, Rows] = -1, IDENTITY  # the last key asked for, and the rotation there
         self._turned = RunningSum(angles)
         self.fastest = max(self._rates)
 
@@ -39,13 +50,16 @@ class Turning:
         last = self._quaternions[-2:-1] if np.any(self.jumps[-1:]) else self._quaternions[-1:]
         return float(turns_between(last, self._quaternions[:1])[1][0])
 
-    def rotation(self, key: int, since: float) -> FloatArray:
-        """Return the 3x3 rotation `since` s after a key."""
-        rotation = self._rotations[key]
-        if self._rates[key] > 0.0:
-            x, y, z = self._axes[key]
-            rotation = np.array(turn((x, y, z), self._rates[key] * since)) @ rotation
-        return np.asarray(rotation)
+    def rotation(self, key: int, since: float) -> Rows:
+        """Return the rotation `since` s after a key."""
+        if self._recent[0] != key:
+            a, b, c = self._rotations[key].tolist()
+            self._recent = key, (tuple(a), tuple(b), tuple(c))
+        first = self._recent[1]
+        if self._rates[key] == 0.0:
+            return first
+        x, y, z = self._axes[key]
+        return multiplied(turn((x, y, z), self._rates[key] * since), first)
 
     def velocity(self, key: int) -> Vector:
         """Return the angular velocity (rad/s) from a key to the next."""

@@ -12,8 +12,8 @@ from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from google.protobuf.timestamp_pb2 import Timestamp
 
-from ....scheduler.chain import lineage
 from ....scheduler.events import Collision, Nearness, PairKey, Phase, Snapshot, Verdict
+from ....scheduler.lineage import lineage
 from ....scheduler.motions import Fixed
 from ....scheduler.poses import WorldPoses
 from ....scheduler.scene import FloatArray, Scene
