@@ -24,12 +24,13 @@ import numpy as np
 from closecall.cli.options import LEAST_SNAPSHOTS, USUAL_RATE
 from closecall.formats.scene.reader import read_scene
 from closecall.scheduler.events import Level, Reason, Span, Verdict, Wakeup
+from closecall.scheduler.instants import observed, snapshot_times
 from closecall.scheduler.narrow_phase import NarrowPhase
 from closecall.scheduler.pairing import Pairing
 from closecall.scheduler.proximity import Proximity
 from closecall.scheduler.run import run
 from closecall.scheduler.scene import Body
-from closecall.scheduler.snapshot import Observer, observed
+from closecall.scheduler.snapshot import Observer
 
 from .peers import STEP, fcl_model
 from .rocks import Rocks
@@ -80,8 +81,8 @@ def counted(rocks: Rocks, seconds: float) -> Queries:
     searched: Counter[Key] = Counter()
     clear = {(pair.key.a, pair.key.b) for pair in pairs}
     observer = Observer(scene, pairs, VIZ_PAIRS, camera)
-    rate = max(USUAL_RATE, LEAST_SNAPSHOTS / seconds)
-    for event in observed(run(pairs, settings, None), observer, scene, rate, settings.time_resolution):
+    times = snapshot_times(scene, max(USUAL_RATE, LEAST_SNAPSHOTS / seconds))
+    for event in observed(run(pairs, settings, None), observer, times, settings.time_resolution):
         if isinstance(event, Wakeup) and event.level is Level.MESH:
             counts = searched if event.reason is Reason.MINIMUM else scheduled
             counts[event.pair.a, event.pair.b] += 1

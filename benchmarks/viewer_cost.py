@@ -20,10 +20,11 @@ from closecall.formats.log.viewer.viewer import Viewer, ViewerOptions
 from closecall.formats.log.writer import LogOptions, LogWriter
 from closecall.formats.scene.loaded import LoadedScene
 from closecall.scheduler.events import Snapshot
+from closecall.scheduler.instants import tick_times
 from closecall.scheduler.motions import Constant
 from closecall.scheduler.poses import WorldPoses
 from closecall.scheduler.scene import Body, Mesh, PairRules, Scene, Settings, Shape
-from closecall.scheduler.snapshot import existing, tick_times
+from closecall.scheduler.snapshot import existing
 
 SECONDS = 5.0
 

@@ -37,7 +37,7 @@ def command(
     from ..scheduler.broad_phase import near_at_start
     from ..scheduler.narrow_phase import NarrowPhase
     from ..scheduler.pairing import Pairing
-    from .job import FEW_PAIRS, all_of, counted_pairs
+    from .job import FEW_PAIRS, counted_pairs, require_few
     from .show import print_json, print_warnings
     from .understood import print_ignores, print_understood, understood
 
@@ -45,7 +45,9 @@ def command(
         loaded = read_scene(scene, mesh_roots, max_bytes)
         pairing = Pairing(loaded.scene, NarrowPhase(loaded.scene.bodies), loaded.settings.margin)
         loaded, total = counted_pairs(loaded, strict)
-        pairs = near_at_start(pairing) if total > FEW_PAIRS else all_of(loaded, pairing, total, max_pairs)
+        if total <= FEW_PAIRS:
+            require_few(loaded, total, max_pairs)
+        pairs = near_at_start(pairing) if total > FEW_PAIRS else tuple(pairing.all())
         margins = {pair.margin for pair in pairs}
         if total > FEW_PAIRS:
             margins = {loaded.settings.margin, *(margin for _, margin in loaded.scene.rules.margins)}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from math import inf
@@ -18,20 +18,25 @@ from ..formats.log.writer import LogOptions, LogWriter, Topics
 from ..formats.scene.errors import SceneError, counted, whole_file
 from ..formats.scene.loaded import LoadedScene
 from ..formats.scene.reader import read_scene
+from ..scheduler.broad_phase import BroadPhase
 from ..scheduler.counting import count_pairs
 from ..scheduler.crowd import Crowd
+from ..scheduler.events import Event
+from ..scheduler.instants import observed, snapshot_times
 from ..scheduler.narrow_phase import NarrowPhase
-from ..scheduler.nearest import CrowdObserver
-from ..scheduler.pair import Pair
+from ..scheduler.packing import Work
 from ..scheduler.pairing import Pairing
 from ..scheduler.run import run
 from ..scheduler.scene import Scene, Settings, least_duration
-from ..scheduler.snapshot import Observer, Observes, observed
-from ..scheduler.streams import Work, merged
+from ..scheduler.streams import merged, observer_of
+from ..scheduler.windows import Sweeps
 from .faults import raise_interrupts
 from .options import LEAST_SNAPSHOTS, USUAL_RATE, RunOptions
 from .progress import shares_shown, shown
-from .workers import streams_of
+from .sharing import Camera, told_by_workers
+
+Events = tuple[Generator[Event, None, None], Callable[[], float]]
+"""What is told, and after that, the wall-clock seconds it took inside FCL, summed over all processes."""
 
 #: Up to so many pairs each is watched throughout, and its least distance told. Of more, swept boxes say which are.
 FEW_PAIRS = 1000
@@ -62,43 +67,59 @@ def run_job(scene_path: Path, output: Path, options: RunOptions) -> Result:
     began = perf_counter()
     loaded = read_scene(scene_path, options.mesh_roots, options.max_bytes)
     settings = _settings(loaded.scene, loaded.settings, options)
-    narrow_phase = NarrowPhase(loaded.scene.bodies)
-    pairing = Pairing(loaded.scene, narrow_phase, settings.margin)
     loaded, total = counted_pairs(loaded, options.strict)
     crowded = total > FEW_PAIRS if options.broad_phase == "auto" else options.broad_phase == "on"
-    pairs = () if crowded else all_of(loaded, pairing, total, options.max_pairs)
+    if not crowded:
+        require_few(loaded, total, options.max_pairs)
+    work = Work(loaded.scene, settings, crowded)
+    told = _run_here if options.jobs == 1 and options.cluster is None else _run_by_workers
     ready = perf_counter()
     raise_interrupts()
-    writing = fcl = 0.0
+    writing = 0.0
     with LogWriter(output, loaded, settings, total, _log_options(options)) as log:
-        if options.jobs == 1 and options.cluster is None:
-            events = run(pairs, settings, Crowd(pairing, settings) if crowded else None)
-        else:
-            work = Work(loaded.scene, settings, crowded)
-            with shares_shown(scene_path.name, options.quiet) as show:
-                streams, fcl = streams_of(work, total, options.jobs, options.cluster, show)
-            events = merged(streams)
-        if options.log == "full":
-            observer = _observer(pairs, pairing, crowded, options)
-            events = observed(events, observer, loaded.scene, _rate(loaded.scene, options), settings.time_resolution)
+        events, fcl = told(work, total, scene_path.name, options)
         if not options.quiet:
             events = shown(events, loaded.scene.start, loaded.scene.end, scene_path.name)
         with closing(events):
             for event in events:
-                told = perf_counter()
+                wrote = perf_counter()
                 log.write(event)
-                writing += perf_counter() - told
+                writing += perf_counter() - wrote
         scheduled = perf_counter()
         summary = log.summary()
     done = perf_counter()
     seconds = {
         "load": ready - began,
         "schedule": scheduled - ready - writing,
-        "fcl": narrow_phase.seconds + fcl,
+        "fcl": fcl(),
         "log": writing + done - scheduled,
         "total": done - began,
     }
     return Result(summary, loaded.warnings, seconds)
+
+
+def _run_here(work: Work, total: int, name: str, options: RunOptions) -> Events:
+    """Run the scene in this process."""
+    pairing = Pairing(work.scene, NarrowPhase(work.scene.bodies), work.settings.margin)
+    pairs = () if work.crowded else tuple(pairing.all())
+    crowd = Crowd(pairing, work.settings, BroadPhase(work.scene, Sweeps(pairing))) if work.crowded else None
+    events = run(pairs, work.settings, crowd)
+    if options.log == "full":
+        observer = observer_of(pairing, None if work.crowded else pairs, options.viz_pairs)
+        events = observed(events, observer, _times(work.scene, options), work.settings.time_resolution)
+    return events, lambda: pairing.narrow_phase.seconds
+
+
+def _run_by_workers(work: Work, total: int, name: str, options: RunOptions) -> Events:
+    """Have the scene run by workers, which share its pairs."""
+    times = list(_times(work.scene, options))
+    camera = Camera(times, options.viz_pairs) if options.log == "full" else None
+    with shares_shown(name, options.quiet) as show:
+        streams, snapshots, fcl = told_by_workers(work, total, options.jobs, options.cluster, camera, show)
+    events = merged(streams)
+    if camera is not None:
+        events = observed(events, snapshots, times, work.settings.time_resolution)
+    return events, lambda: fcl
 
 
 def counted_pairs(loaded: LoadedScene, strict: bool) -> tuple[LoadedScene, int]:
@@ -116,8 +137,8 @@ def counted_pairs(loaded: LoadedScene, strict: bool) -> tuple[LoadedScene, int]:
     return loaded, pairs
 
 
-def all_of(loaded: LoadedScene, pairing: Pairing, total: int, max_pairs: int) -> tuple[Pair, ...]:
-    """Return all pairs of a scene, of which there are `total`.
+def require_few(loaded: LoadedScene, total: int, max_pairs: int) -> None:
+    """Check that a scene of which each pair is watched has few enough.
 
     Raises:
         SceneError: for more than `max_pairs` pairs.
@@ -126,14 +147,6 @@ def all_of(loaded: LoadedScene, pairing: Pairing, total: int, max_pairs: int) ->
         raise SceneError(
             [whole_file(loaded.path, f"more than {counted(max_pairs, 'pair')}, ignore some or raise --max-pairs")]
         )
-    return tuple(pairing.all())
-
-
-def _observer(pairs: Sequence[Pair], pairing: Pairing, crowded: bool, options: RunOptions) -> Observes:
-    """Return what takes the snapshots for viewers."""
-    if crowded:
-        return CrowdObserver(pairing, options.viz_pairs)
-    return Observer(pairing.scene, pairs, options.viz_pairs, pairing.narrow_phase)
 
 
 def _log_options(options: RunOptions) -> LogOptions:
@@ -147,11 +160,10 @@ def _log_options(options: RunOptions) -> LogOptions:
     )
 
 
-def _rate(scene: Scene, options: RunOptions) -> float:
-    """Return how many snapshots a second are taken, Hz."""
-    if options.rate is not None:
-        return options.rate
-    return max(USUAL_RATE, LEAST_SNAPSHOTS / (scene.end - scene.start))
+def _times(scene: Scene, options: RunOptions) -> Iterator[float]:
+    """Yield when (s) snapshots are taken, besides at collisions."""
+    usual = max(USUAL_RATE, LEAST_SNAPSHOTS / (scene.end - scene.start))
+    return snapshot_times(scene, usual if options.rate is None else options.rate)
 
 
 def _settings(scene: Scene, settings: Settings, options: RunOptions) -> Settings:

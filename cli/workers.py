@@ -7,37 +7,29 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, wait
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import CancelledError, Executor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from importlib.metadata import version
 from multiprocessing import resource_tracker
-from tempfile import SpooledTemporaryFile, gettempdir
 from time import sleep
-from typing import IO, Any
+from typing import Any, TypeVar
 
 import click
 
 from closecall import __version__
 
-from ..scheduler.share import Share
-from ..scheduler.streams import Stream, Work, packed, stream
 from .faults import WorkerError
 
-#: Shares for each worker, so that one that got slow pairs is not waited for. Those of a crowd make all its windows
-#: themselves, so that they are as many as the workers.
-SHARES_A_WORKER = 8
-#: Shares beyond which there are only as many as workers.
-MANY_SHARES = 128
-#: Bytes of a share's stream that are kept in memory; of longer ones all is in a file.
-KEPT_BYTES = 1 << 20
 #: s until a cluster that says nothing counts as lost.
 PATIENCE = 10.0
 #: Each process of this machine takes one processor.
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+
+ToldT = TypeVar("ToldT")
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,57 +48,30 @@ class Team:
     sent: Callable[[bytes], Any] = lambda data: data
     check: Callable[[], None] = lambda: None
 
+    def results(self, work: Callable[..., ToldT], calls: Iterable[tuple[Any, ...]]) -> Iterator[ToldT]:
+        """Work at calls; yield what they return, in order.
 
-def streams_of(
-    work: Work, pairs: int, jobs: int, cluster: str | None, done: Callable[[int, int], None]
-) -> tuple[list[IO[bytes]], float]:
-    """Have all shares run; return their streams, and the seconds they took inside FCL.
+        Raises:
+            WorkerError: when workers are lost; and what a call raises, as it would here.
+        """
+        with _interrupts_held():
+            waiting = [self.executor.submit(work, *arguments) for arguments in calls]
+        while waiting:
+            wait(waiting[:1], PATIENCE)
+            while waiting and waiting[0].done():
+                yield waiting.pop(0).result()
+            self.check()
 
-    Args:
-        work: to be shared.
-        pairs: how many there are.
-        jobs: how many processes of this machine run them, unless there is a cluster.
-        cluster: address of its scheduler.
-        done: is told how many shares of how many are done.
+
+@contextmanager
+def team_of(jobs: int, cluster: str | None) -> Iterator[Team]:
+    """Lend so many processes of this machine, or the workers of the cluster whose scheduler has this address.
 
     Raises:
-        WorkerError: when workers cannot be had, or are lost; and what a share raises, as it would here.
+        WorkerError: when workers cannot be had, or are lost.
     """
-    kept: list[IO[bytes]] = []
-    seconds = 0.0
     with _cluster(cluster) if cluster is not None else _processes(jobs) as team:
-        shares = team.size if work.crowded else max(team.size, min(SHARES_A_WORKER * team.size, MANY_SHARES))
-        shares = max(1, min(shares, pairs))
-        done(0, shares)
-        for told in _told(team, packed(work), shares):
-            kept.append(_kept(told.turns))
-            seconds += told.fcl
-            done(len(kept), shares)
-    return kept, seconds
-
-
-def _told(team: Team, packed_work: bytes, shares: int) -> Iterator[Stream]:
-    """Yield what the shares tell, in whatever order they are done."""
-    sent = team.sent(packed_work)
-    with _interrupts_held():
-        running = {team.executor.submit(stream, sent, Share(number, shares)) for number in range(shares)}
-    while running:
-        finished, running = wait(running, PATIENCE, FIRST_COMPLETED)
-        while finished:
-            yield finished.pop().result()
-        team.check()
-
-
-def _kept(turns: bytes) -> IO[bytes]:
-    """Return a share's stream as a file, from its begin."""
-    try:
-        file = SpooledTemporaryFile(KEPT_BYTES)  # noqa: SIM115  (the merger reads it)
-        file.write(turns)
-        file.seek(0)
-    except OSError as error:
-        problem = f"cannot keep what the workers tell in {gettempdir()}: {error.strerror}"
-        raise WorkerError(problem, "free space there, or name another folder in TMPDIR") from error
-    return file
+        yield team
 
 
 @contextmanager

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Iterable, Iterator
+from math import inf
 
-from .broad_phase import BroadPhase
-from .events import Bound, Event, Reason
+from .broad_phase import Tick
+from .events import Bound, Event, Reason, Window
+from .history import History
 from .pairing import Pairing
 from .scene import Settings, pair_id
 from .share import WHOLE, Share
@@ -19,13 +21,18 @@ class Crowd:
     that time, or is in the queue with a valid wakeup, or has been decided up to its end.
     """
 
-    def __init__(self, pairing: Pairing, settings: Settings, share: Share = WHOLE) -> None:
-        """Take what makes the scene's pairs; none is made yet. Of a share, only its pairs ever enter the queue."""
+    def __init__(self, pairing: Pairing, settings: Settings, ticks: Iterable[Tick], share: Share = WHOLE) -> None:
+        """Take what makes the scene's pairs; none is made yet. Of a share, only its pairs ever enter the queue.
+
+        `ticks` are the broad phase's.
+        """
         self._pairing = pairing
         self._settings = settings
         self._share = share
-        self._windows = BroadPhase(pairing)
+        self._ticks = iter(ticks)
+        self._tick = next(self._ticks, None)
         self._bodies = len(pairing.scene.bodies)
+        self._history = History(self._bodies)
         self._inside: set[int] = set()
         self._never: set[int] = set()
         self._outside: dict[int, Watch] = {}
@@ -33,7 +40,7 @@ class Crowd:
     @property
     def next_tick(self) -> float:
         """When windows end, and others begin, s; inf for never."""
-        return self._windows.next_tick
+        return inf if self._tick is None else self._tick.time
 
     def meet(self) -> Generator[Event, None, list[tuple[float, Reason, Watch]]]:
         """Begin the windows of the next tick; tell them, and return the pairs that enter with their wakeups.
@@ -42,18 +49,21 @@ class Crowd:
 
         A pair that was cleared until now wakes now: the windows that end clear it up to this very time.
         """
-        time = self.next_tick
-        windows, meeting = self._windows.renew()
+        tick = self._tick
+        assert tick is not None
+        self._tick = next(self._ticks, None)
+        time = tick.time
+        self._history.add(tick.windows)
         if self._share.number == 0:
-            yield from windows
+            yield from _told(tick)
         entering = []
-        for a, b in meeting:
+        for a, b in tick.meeting.tolist():
             watch = self._watch(a, b)
             if watch is None:
                 continue
             begin = watch.pair.start
             if watch.decided < time:
-                yield from watch.clear(self._windows.clearances(a, b, watch.decided, time))
+                yield from watch.clear(self._history.clearances(a, b, watch.decided, time))
             first = time <= begin
             entering.append((begin if first else time, Reason.START if first else Reason.WINDOW, watch))
         return entering
@@ -64,7 +74,7 @@ class Crowd:
         They have to clear it from when it is decided to: a last step that is to be tried finer is not.
         """
         key = watch.pair.key
-        if not watch.parting or (until := self._windows.cleared_until(key.a, key.b, watch.decided)) < plan.time:
+        if not watch.parting or (until := self._history.cleared_until(key.a, key.b, watch.decided)) < plan.time:
             return plan
         self._inside.discard(key.id)
         self._outside[key.id] = watch
@@ -74,7 +84,7 @@ class Crowd:
         """Yield what is left to tell of the pairs that have left and never met again."""
         for _, watch in sorted(self._outside.items()):
             key, end = watch.pair.key, watch.pair.end
-            yield from watch.clear(self._windows.clearances(key.a, key.b, watch.decided, end))
+            yield from watch.clear(self._history.clearances(key.a, key.b, watch.decided, end))
             yield from watch.finish()
 
     def _watch(self, a: int, b: int) -> Watch | None:
@@ -91,3 +101,10 @@ class Crowd:
             watch = Watch(pair, self._settings)
         self._inside.add(number)
         return watch
+
+
+def _told(tick: Tick) -> Iterator[Window]:
+    """Yield the windows of a tick as events."""
+    columns = (tick.windows.bodies, tick.windows.starts, tick.windows.ends, tick.windows.low, tick.windows.high)
+    for body, start, end, (x, y, z), (u, v, w) in zip(*(column.tolist() for column in columns), strict=True):
+        yield Window(body, start, end, (x, y, z), (u, v, w))

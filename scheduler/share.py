@@ -21,3 +21,8 @@ class Share(NamedTuple):
 
 WHOLE = Share(0, 1)
 """All pairs."""
+
+
+def shares_of(of: int) -> list[Share]:
+    """Return all of so many shares."""
+    return [Share(number, of) for number in range(of)]

@@ -1,17 +1,14 @@
-"""Snapshots of the whole scene at regular ticks and at every collision, woven into the stream of events."""
+"""Snapshots of the whole scene: every body's pose, and which pairs are nearest."""
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterable, Iterator, Sequence
-from heapq import merge
-from itertools import groupby
-from math import floor, inf, sqrt
-from typing import Protocol
+from collections.abc import Sequence
+from math import inf, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .events import Collision, Event, Nearness, Phase, Snapshot, Verdict, Wakeup
+from .events import Collision, Nearness, Snapshot, Verdict
 from .extent import body_extents
 from .narrow_phase import NarrowPhase
 from .pair import Pair
@@ -22,14 +19,6 @@ from .vector import ZERO
 
 # Relative: what the sums of travels may lose to rounding.
 _ROUNDING = 1e-9
-
-
-class Observes(Protocol):
-    """What takes snapshots."""
-
-    def at(self, time: float, touching: frozenset[int], occasion: Collision | None = None) -> Snapshot:
-        """Return the snapshot at `time` (s), while the pairs with ids in `touching` are in contact."""
-        ...
 
 
 class Observer:
@@ -140,50 +129,6 @@ class Travel:
         return apart
 
 
-def observed(
-    events: Iterable[Event], observer: Observes, scene: Scene, rate: float, time_resolution: float
-) -> Generator[Event, None, None]:
-    """Yield the events with snapshots between them: at start, every 1/rate s, at the end, and at each collision.
-
-    They are also taken whenever a body appears or vanishes, whatever the rate. A tick is taken once every pair is
-    decided up to it: no wakeup goes back by more than one time resolution.
-
-    Args:
-        events: of `run`.
-        observer: of the same scene.
-        scene: whose times bound the ticks.
-        rate: 1/s; 0 leaves collisions and changes of what exists.
-        time_resolution: s, of the run.
-    """
-    touching: set[int] = set()
-    times = merge(tick_times(scene.start, scene.end, rate), changes_of_existence(scene))
-    ticks = (time for time, _ in groupby(times))
-    tick = next(ticks, None)
-    for event in events:
-        if isinstance(event, Wakeup):
-            while tick is not None and tick < event.time - time_resolution:
-                yield observer.at(tick, frozenset(touching))
-                tick = next(ticks, None)
-        yield event
-        if isinstance(event, Collision):
-            touching.add(event.pair.id)  # at either end of a contact, at its own time, the pair touches
-            yield observer.at(event.time, frozenset(touching), event)
-            if event.phase is Phase.END:
-                touching.discard(event.pair.id)
-    while tick is not None:
-        yield observer.at(tick, frozenset(touching))
-        tick = next(ticks, None)
-
-
-def tick_times(start: float, end: float, rate: float) -> Iterator[float]:
-    """Yield start, start + 1/rate, ... and the end, s; nothing for rate 0."""
-    if rate <= 0.0:
-        return
-    for index in range(floor((end - start) * rate * (1.0 - 1e-12)) + 1):
-        yield start + index / rate
-    yield end
-
-
 def existing(scene: Scene, time: float) -> NDArray[np.bool_]:
     """Tell of each body whether it exists at `time` (s): up to its end, which only the scene's end belongs to."""
     return alive(lifetimes(scene), scene.end, time)
@@ -194,11 +139,6 @@ def alive(lifetimes: FloatArray, end: float, time: float) -> NDArray[np.bool_]:
     from_, to = lifetimes
     there: NDArray[np.bool_] = (from_ <= time) & ((time < to) | (to >= end))
     return there
-
-
-def changes_of_existence(scene: Scene) -> list[float]:
-    """Return the times (s) inside the scene's at which a body appears or vanishes, in order."""
-    return [time for time in np.unique(lifetimes(scene)).tolist() if scene.start < time < scene.end]
 
 
 def lifetimes(scene: Scene) -> FloatArray:

@@ -6,106 +6,126 @@ of one heap of all pairs are those of the shares' heaps, always from the one who
 
 from __future__ import annotations
 
-import gzip
 import heapq
 import pickle
-import threading
-from collections.abc import Generator, Iterable, Iterator
-from io import BytesIO
-from itertools import groupby, islice
+from collections.abc import Generator, Iterable, Iterator, Sequence
+from itertools import groupby
+from math import inf
 from operator import itemgetter
 from typing import IO, NamedTuple
 
+from .broad_phase import BroadPhase, Tick
 from .crowd import Crowd
-from .events import Event, Snapshot, Window
+from .events import Collision, Event, Snapshot, Window
 from .heap import WakeupQueue
-from .narrow_phase import NarrowPhase
+from .instants import Instant, Observes
+from .nearest import CrowdObserver
+from .packing import Work, packed_stream, unpacked, unpacked_stream
+from .pair import Pair
 from .pairing import Pairing
 from .run import run
-from .scene import Scene, Settings
 from .share import Share
+from .snapshot import Observer
+from .windows import Sweeps, ToldWindows, Windows
 
 #: Turns that are packed, and unpacked, together. The merger holds so many of each stream.
 _TURNS_A_PACK = 256
+#: Snapshots, which hold every body's pose.
+_PICTURES_A_PACK = 8
 
 #: A turn in the heap, and whose part of it: of the ends of windows, first the windows, then the pairs that enter by id.
 Turn = tuple[float, int, int]
 
 
-class Work(NamedTuple):
-    """What is run; `crowded` says whether windows clear distant pairs."""
-
-    scene: Scene
-    settings: Settings
-    crowded: bool
-
-
 class Stream(NamedTuple):
-    """What a share told: its turns, packed for `merged`, and the wall-clock seconds inside FCL that they took."""
+    """What a share told.
+
+    Attributes:
+        turns: packed for `merged`.
+        collisions: those among them, in order, each with the latest turn up to then.
+        fcl: wall-clock seconds inside FCL that they took.
+    """
 
     turns: bytes
+    collisions: list[tuple[Turn, Collision]]
     fcl: float
 
 
-def packed(work: Work) -> bytes:
-    """Return the work as it travels to the processes that run shares of it."""
-    return pickle.dumps(work, pickle.HIGHEST_PROTOCOL)
+class Pictures(NamedTuple):
+    """Snapshots, packed, and the wall-clock seconds inside FCL that they took."""
+
+    packed: bytes
+    fcl: float
 
 
-def stream(packed_work: bytes, share: Share) -> Stream:
-    """Run a share of the pairs to its end, in any process or thread, and return what it tells."""
-    work, pairing = _unpacked(packed_work)
+def windows_of(packed_work: bytes, share: Share) -> Windows:
+    """Return all windows of a share of the bodies, made in any process or thread."""
+    _, pairing = unpacked(packed_work)
+    return Sweeps(pairing, share).all()
+
+
+def packed_ticks(work: Work, shares: Iterable[Windows]) -> bytes:
+    """Return the ticks of a crowd as they travel, of what `windows_of` told of all shares of the bodies."""
+    return pickle.dumps(list(BroadPhase(work.scene, ToldWindows(Windows.joined(shares)))), pickle.HIGHEST_PROTOCOL)
+
+
+def stream(packed_work: bytes, share: Share, ticks: bytes | None = None) -> Stream:
+    """Run a share of the pairs to its end, in any process or thread, and return what it tells.
+
+    Of a crowd, `ticks` are what `packed_ticks` told.
+    """
+    work, pairing = unpacked(packed_work)
     before = pairing.narrow_phase.seconds
     queue = WakeupQueue()
-    pairs = () if work.crowded else pairing.all(share)
-    crowd = Crowd(pairing, work.settings, share) if work.crowded else None
-    turns = _turns(run(pairs, work.settings, crowd, queue), queue)
-    buffer = BytesIO()
-    with gzip.GzipFile(fileobj=buffer, mode="wb", compresslevel=1) as pack:
-        while some := list(islice(turns, _TURNS_A_PACK)):
-            pickle.dump(some, pack, pickle.HIGHEST_PROTOCOL)
-        pickle.dump(some, pack)
-    return Stream(buffer.getvalue(), pairing.narrow_phase.seconds - before)
+    told: list[Tick] | None = None if ticks is None else pickle.loads(ticks)
+    crowd = None if told is None else Crowd(pairing, work.settings, told, share)
+    pairs = pairing.all(share) if crowd is None else ()
+    collisions: list[tuple[Turn, Collision]] = []
+    turns = packed_stream(_turns(run(pairs, work.settings, crowd, queue), queue, collisions), _TURNS_A_PACK)
+    return Stream(turns, collisions, pairing.narrow_phase.seconds - before)
+
+
+def pictures(packed_work: bytes, most_pairs: int, instants: list[Instant]) -> Pictures:
+    """Take the snapshots of some instants, in any process or thread; each names at most so many pairs."""
+    work, pairing = unpacked(packed_work)
+    before = pairing.narrow_phase.seconds
+    observer = observer_of(pairing, None if work.crowded else tuple(pairing.all()), most_pairs)
+    taken = packed_stream((observer.at(*instant) for instant in instants), _PICTURES_A_PACK)
+    return Pictures(taken, pairing.narrow_phase.seconds - before)
+
+
+def observer_of(pairing: Pairing, pairs: Sequence[Pair] | None, most_pairs: int) -> Observes:
+    """Return what takes snapshots of a scene and of its pairs, None for those of a crowd."""
+    if pairs is None:
+        return CrowdObserver(pairing, most_pairs)
+    return Observer(pairing.scene, pairs, most_pairs, pairing.narrow_phase)
+
+
+def told_in_order(streams: Iterable[Stream]) -> list[Collision]:
+    """Return the collisions of all shares in the order of `merged`.
+
+    A turn that goes back, to refine, comes at once after the one before it: no other share's is earlier than that.
+    """
+    told = [collision for stream in streams for collision in stream.collisions]
+    return [collision for _, collision in sorted(told, key=itemgetter(0))]
 
 
 def merged(streams: Iterable[IO[bytes]]) -> Generator[Event, None, None]:
     """Yield the events of all shares' streams in the order in which one run of all pairs has them."""
-    for _, events in heapq.merge(*map(_unpacked_turns, streams), key=itemgetter(0)):
+    for _, events in heapq.merge(*map(unpacked_stream, streams), key=itemgetter(0)):
         yield from events
 
 
-def _turns(events: Iterable[Event], queue: WakeupQueue) -> Iterator[tuple[Turn, list[Event]]]:
-    """Yield the events by turns."""
+def _turns(
+    events: Iterable[Event], queue: WakeupQueue, collisions: list[tuple[Turn, Collision]]
+) -> Iterator[tuple[Turn, list[Event]]]:
+    """Yield the events by turns, and note the collisions among them."""
+    latest: Turn = (-inf, 0, 0)
     for turn, some in groupby(events, lambda event: (*queue.turn, _part(event))):
-        yield turn, list(some)
+        told, latest = list(some), max(latest, turn)
+        collisions.extend((latest, event) for event in told if isinstance(event, Collision))
+        yield turn, told
 
 
 def _part(event: Event) -> int:
     return -1 if isinstance(event, Window | Snapshot) else event.pair.id
-
-
-def _unpacked_turns(file: IO[bytes]) -> Iterator[tuple[Turn, list[Event]]]:
-    with gzip.open(file) as pack:
-        while some := pickle.load(pack):
-            yield from some
-
-
-class _Bench(threading.local):
-    """What a thread works at: the models of a scene serve one measurement at a time, and take long to build."""
-
-    packed = b""
-    work: Work
-    pairing: Pairing
-
-
-_bench = _Bench()
-
-
-def _unpacked(packed_work: bytes) -> tuple[Work, Pairing]:
-    """Return the work, and what makes its pairs, built once by each thread."""
-    if _bench.packed != packed_work:
-        work: Work = pickle.loads(packed_work)
-        _bench.work = work
-        _bench.pairing = Pairing(work.scene, NarrowPhase(work.scene.bodies), work.settings.margin)
-        _bench.packed = packed_work
-    return _bench.work, _bench.pairing

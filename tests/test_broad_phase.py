@@ -43,8 +43,10 @@ from closecall.scheduler.scene import (
     bodies_of_pair,
     pair_id,
 )
+from closecall.scheduler.share import shares_of
 from closecall.scheduler.snapshot import Observer, existing
 from closecall.scheduler.watch import Plan
+from closecall.scheduler.windows import Sweeps, ToldWindows, Windows
 
 END = 3.0
 SETTINGS = Settings(margin=0.02)
@@ -101,9 +103,13 @@ def random_scene(seed: int, bodies: int = 30) -> Scene:
     return Scene(tuple(made), 0.0, END, rules)
 
 
-def crowd_events(scene: Scene) -> list[Event]:
+def crowd_of(scene: Scene) -> Crowd:
     pairing = Pairing(scene, NarrowPhase(scene.bodies), SETTINGS.margin)
-    return list(run((), SETTINGS, Crowd(pairing, SETTINGS)))
+    return Crowd(pairing, SETTINGS, BroadPhase(scene, Sweeps(pairing)))
+
+
+def crowd_events(scene: Scene) -> list[Event]:
+    return list(run((), SETTINGS, crowd_of(scene)))
 
 
 def all_events(scene: Scene) -> list[Event]:
@@ -166,7 +172,7 @@ def test_what_windows_clear_of_a_pair_is_below_its_distance(seed: int) -> None:
     """Spans of an examined pair tile its time; where windows alone cleared it, the clearance holds too."""
     scene = random_scene(seed)
     pairing = Pairing(scene, NarrowPhase(scene.bodies), SETTINGS.margin)
-    events = list(run((), SETTINGS, Crowd(pairing, SETTINGS)))
+    events = crowd_events(scene)
     spans: dict[int, list[Span]] = {}
     for event in events:
         if isinstance(event, Span):
@@ -189,9 +195,8 @@ def test_what_windows_clear_of_a_pair_is_below_its_distance(seed: int) -> None:
 def test_the_windows_of_a_body_follow_one_another_and_hold_it(seed: int) -> None:
     scene = random_scene(seed)
     windows: dict[int, list[Window]] = {}
-    broad_phase = BroadPhase(Pairing(scene, NarrowPhase(scene.bodies), 0.0))
-    while broad_phase.next_tick < inf:
-        for window in broad_phase.renew()[0]:
+    for window in crowd_events(scene):
+        if isinstance(window, Window):
             windows.setdefault(window.body, []).append(window)
     poses = WorldPoses(scene.bodies)
     for index, body in enumerate(scene.bodies):
@@ -211,12 +216,26 @@ def test_the_windows_of_a_body_follow_one_another_and_hold_it(seed: int) -> None
                 assert (points + extent.radii[:, None] <= np.array(window.high)).all()
 
 
+@pytest.mark.parametrize("seed", SEEDS)
+def test_windows_are_the_same_whoever_makes_them(seed: int) -> None:
+    """Whether as they are asked for, or before by others, each some bodies."""
+    scene = random_scene(seed)
+    pairing = Pairing(scene, NarrowPhase(scene.bodies), SETTINGS.margin)
+    shares = [Sweeps(pairing, share).all() for share in reversed(shares_of(3))]
+    ticks, told = (list(BroadPhase(scene, source)) for source in (Sweeps(pairing), ToldWindows(Windows.joined(shares))))
+    assert len(ticks) == len(told) > 10
+    for one, other in zip(ticks, told, strict=True):
+        assert one.time == other.time
+        assert np.array_equal(one.meeting, other.meeting)
+        assert all(map(np.array_equal, one.windows, other.windows))
+
+
 def test_a_pair_that_parts_leaves_the_queue_and_comes_back() -> None:
     """A ball swings past a small one, over and over: far away it is not in the queue, and every touch is found."""
     swinging = Body("a", None, at((10.0, 0.0, 0.0)), Harmonic((1.0, 0.0, 0.0), 10.0, 2.0, 0.0), (round_shape(0.5),))
     still = Body("b", None, at((0.5, 0.0, 0.0)), Fixed(), (round_shape(0.5),))
     scene = Scene((swinging, still), 0.0, 6.0, PairRules())
-    events = list(run((), SETTINGS, Crowd(Pairing(scene, NarrowPhase(scene.bodies), 0.0), SETTINGS)))
+    events = crowd_events(scene)
     begins = [event.time for event in events if isinstance(event, Collision) and event.phase.name == "BEGIN"]
     # 10 + 10 sin(pi t) <= 1.5
     first = 1.0 + np.arcsin(0.85) / np.pi
@@ -229,7 +248,7 @@ def test_windows_of_now_do_not_clear_what_was_before_them() -> None:
     moving = Body("a", None, np.eye(4), Constant((4.0, 0.0, 0.0), (0.0, 0.0, 0.0)), (box(1, 1, 1),))
     still = Body("b", None, at((0.0, 1.1, 0.0)), Fixed(), (box(1, 1, 1),))
     scene = Scene((moving, still), 0.0, 4.0, PairRules())
-    crowd = Crowd(Pairing(scene, NarrowPhase(scene.bodies), 0.0), SETTINGS)
+    crowd = crowd_of(scene)
     entered = []
     while crowd.next_tick < 2.0:
         meeting = crowd.meet()
@@ -253,7 +272,7 @@ def test_jumping_bodies_meet_at_the_jump_alone() -> None:
     target = Body("b", None, at((50.4, 0.0, 0.0)), Fixed(), (box(1, 1, 1),))
     between = Body("c", None, at((25.0, 0.0, 0.0)), Fixed(), (box(1, 1, 1),))
     scene = Scene((jumping, target, between), 0.0, 4.0, PairRules())
-    events = list(run((), SETTINGS, Crowd(Pairing(scene, NarrowPhase(scene.bodies), 0.0), SETTINGS)))
+    events = crowd_events(scene)
     told = [(e.pair.a, e.pair.b, e.time_touching) for e in events if isinstance(e, Collision)]
     assert told == [(0, 1, 1.0), (0, 1, nextafter(2.0, 0.0))]
 

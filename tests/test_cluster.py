@@ -15,9 +15,9 @@ from sample_runs import FOLDER
 
 from closecall.cli import workers
 from closecall.cli.faults import WorkerError
-from closecall.cli.workers import streams_of
+from closecall.cli.sharing import told_by_workers
 from closecall.formats.scene.reader import read_scene
-from closecall.scheduler.streams import Work
+from closecall.scheduler.packing import Work
 
 SCENE = FOLDER / "asteroids" / "scene.yaml"
 OPTIONS = ["-q", "--log", "certificate"]
@@ -45,7 +45,8 @@ def alone(tmp_path_factory: pytest.TempPathFactory) -> bytes:
 
 def run_shares(address: str) -> None:
     loaded = read_scene(FOLDER / "spinning_bar" / "scene.yaml")
-    streams_of(Work(loaded.scene, loaded.settings, crowded=False), 1, 1, address, lambda done, of: None)
+    work = Work(loaded.scene, loaded.settings, crowded=False)
+    told_by_workers(work, 1, 1, address, None, lambda done, of: None)
 
 
 def test_a_cluster_gives_the_bytes_of_one_process(cluster, alone, tmp_path):

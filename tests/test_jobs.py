@@ -13,15 +13,19 @@ import pytest
 from cli_process import closecall, command, long_scene
 from sample_runs import FOLDER, NAMES
 
-from closecall.cli.workers import streams_of
+from closecall.cli.sharing import told_by_workers
 from closecall.formats.scene.reader import read_scene
+from closecall.scheduler.broad_phase import BroadPhase
 from closecall.scheduler.crowd import Crowd
+from closecall.scheduler.events import Collision
 from closecall.scheduler.narrow_phase import NarrowPhase
+from closecall.scheduler.packing import Work, packed
 from closecall.scheduler.pairing import Pairing
 from closecall.scheduler.run import run
 from closecall.scheduler.scene import Settings
-from closecall.scheduler.share import Share
-from closecall.scheduler.streams import Work, merged, packed, stream
+from closecall.scheduler.share import Share, shares_of
+from closecall.scheduler.streams import merged, packed_ticks, stream, told_in_order, windows_of
+from closecall.scheduler.windows import Sweeps
 
 
 class Unpacked:
@@ -38,17 +42,22 @@ def told_by_one(sample: str, crowded: bool) -> list[str]:
     """Return the events of one run of all pairs."""
     loaded = read_scene(FOLDER / sample / "scene.yaml")
     pairing = Pairing(loaded.scene, NarrowPhase(loaded.scene.bodies), loaded.settings.margin)
-    crowd = Crowd(pairing, loaded.settings) if crowded else None
+    crowd = Crowd(pairing, loaded.settings, BroadPhase(loaded.scene, Sweeps(pairing))) if crowded else None
     return [repr(event) for event in run(() if crowded else pairing.all(), loaded.settings, crowd)]
 
 
 def told_by_shares(sample: str, crowded: bool, shares: int) -> list[str]:
     """Return the events of the shares, merged, whichever was done first."""
     loaded = read_scene(FOLDER / sample / "scene.yaml")
-    work = packed(Work(loaded.scene, loaded.settings, crowded))
-    turns = [stream(work, Share(number, shares)).turns for number in range(shares)]
+    work = Work(loaded.scene, loaded.settings, crowded)
+    sent = packed(work)
+    ticks = packed_ticks(work, [windows_of(sent, share) for share in shares_of(2)]) if crowded else None
+    streams = [stream(sent, share, ticks) for share in shares_of(shares)]
+    turns = [told.turns for told in streams]
     told, also = ([repr(event) for event in merged(map(BytesIO, order))] for order in (turns, reversed(turns)))
     assert told == also, "the order in which shares are done counts"
+    collisions = [event for event in merged(map(BytesIO, turns)) if isinstance(event, Collision)]
+    assert told_in_order(streams) == collisions
     return told
 
 
@@ -167,7 +176,7 @@ def test_workers_end_when_the_run_is_killed(tmp_path):
 def test_an_error_in_a_worker_is_raised_as_it_would_be_here(error, call):
     work = Work(Unpacked(*call), Settings(), crowded=False)  # type: ignore[arg-type]
     with pytest.raises(error):
-        streams_of(work, 5, 2, None, lambda done, of: None)
+        told_by_workers(work, 5, 2, None, None, lambda done, of: None)
 
 
 @pytest.mark.parametrize("jobs", ["0", "many", "100000"])

@@ -16,10 +16,11 @@ from closecall.formats.log.viewer.viewer import ViewerOptions
 from closecall.formats.log.writer import LogOptions, LogWriter
 from closecall.formats.scene.reader import read_scene
 from closecall.scheduler.events import Snapshot
+from closecall.scheduler.instants import observed, snapshot_times
 from closecall.scheduler.narrow_phase import NarrowPhase
 from closecall.scheduler.pairing import pairs_that_might_collide
 from closecall.scheduler.run import run
-from closecall.scheduler.snapshot import Observer, observed
+from closecall.scheduler.snapshot import Observer
 
 # The hammer falls on the anvil and leaves it again; the pin hangs on the carriage through a frame without shapes.
 SCENE = """\
@@ -96,7 +97,7 @@ def show(scene: Path, out: Path, *, rate: float = 30.0, viewer: ViewerOptions | 
     events = run(pairs, loaded.settings)
     snapshots = []
     with LogWriter(out, loaded, loaded.settings, len(pairs), LogOptions(viewer=viewer, **options)) as log:
-        for event in observed(events, observer, loaded.scene, rate, loaded.settings.time_resolution):
+        for event in observed(events, observer, snapshot_times(loaded.scene, rate), loaded.settings.time_resolution):
             log.write(event)
             if isinstance(event, Snapshot):
                 snapshots.append(event)

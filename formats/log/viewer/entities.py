@@ -10,8 +10,8 @@ from foxglove_schemas_protobuf.SceneEntity_pb2 import SceneEntity
 from google.protobuf.timestamp_pb2 import Timestamp
 from numpy.typing import NDArray
 
+from ....scheduler.instants import changes_of_existence
 from ....scheduler.scene import Body, FloatArray, Scene
-from ....scheduler.snapshot import changes_of_existence
 from .colours import FIXED, MOVING, RED, RGB, colour
 from .crowd import Crowd
 from .drawings import Drawings

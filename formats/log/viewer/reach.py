@@ -8,9 +8,10 @@ from functools import cached_property
 
 import numpy as np
 
+from ....scheduler.instants import changes_of_existence
 from ....scheduler.poses import WorldPoses
 from ....scheduler.scene import FloatArray, Scene
-from ....scheduler.snapshot import changes_of_existence, existing
+from ....scheduler.snapshot import existing
 
 # At most this many instants are looked at, and in large scenes so many that this many poses suffice (5 us each).
 _MOST_INSTANTS = 101
