@@ -260,16 +260,10 @@ class Pair:
             a = b = measurement.inside
         if measurement.touching:
             gap = 0.0
-        world = self._world_from_ancestor(measurement.time)
-        return Distance(
-            measurement.time,
-            self.key,
-            gap,
-            mapped(world, a),
-            mapped(world, b),
-            proximity.feature_a(),
-            proximity.feature_b(),
-        )
+        if self._ancestry:
+            world = self._world_from_ancestor(measurement.time)
+            a, b = mapped(world, a), mapped(world, b)
+        return Distance(measurement.time, self.key, gap, a, b, proximity.feature_a(), proximity.feature_b())
 
     @cached_property
     def _round(self) -> bool:
@@ -287,8 +281,12 @@ class Pair:
     def _world_from_ancestor(self, t: float) -> FloatArray:
         """Return the 4x4 pose of the frame that measurements are taken in."""
         pose = np.eye(4)
-        ancestor = common_ancestor(self._bodies, self.key.a, self.key.b)
-        if ancestor is not None:
-            for body in lineage(self._bodies, ancestor):
-                pose = self._bodies[body].pose @ self._bodies[body].motion.pose(t) @ pose
+        for body in self._ancestry:
+            pose = self._bodies[body].pose @ self._bodies[body].motion.pose(t) @ pose
         return pose
+
+    @cached_property
+    def _ancestry(self) -> tuple[int, ...]:
+        """The bodies that carry the frame that measurements are taken in, nearest first."""
+        ancestor = common_ancestor(self._bodies, self.key.a, self.key.b)
+        return () if ancestor is None else lineage(self._bodies, ancestor)
