@@ -18,7 +18,7 @@ from .vector import Vector
 
 #: A window lasts while the body's middle gets this share of its radius away: shorter ones cost more than the pairs that
 #: they clear, longer ones clear fewer (`python -m benchmarks.many_bodies 10000`).
-WORTH = 0.6
+WORTH = 0.3
 #: The shortest windows are the run's time over two to this power.
 FINEST_LEVEL = 12
 #: A body is slender, and also boxed as it is turned, where the shortest side of its box is below this share of its
