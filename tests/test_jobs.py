@@ -8,6 +8,7 @@ import time
 from io import BytesIO
 from pathlib import Path
 
+import numpy as np
 import psutil
 import pytest
 from cli_process import closecall, command, long_scene
@@ -38,17 +39,17 @@ class Unpacked:
         return self._call
 
 
-def told_by_one(sample: str, crowded: bool) -> list[str]:
+def told_by_one(scene: Path, crowded: bool) -> list[str]:
     """Return the events of one run of all pairs."""
-    loaded = read_scene(FOLDER / sample / "scene.yaml")
+    loaded = read_scene(scene)
     pairing = Pairing(loaded.scene, NarrowPhase(loaded.scene.bodies), loaded.settings.margin)
     crowd = Crowd(pairing, loaded.settings, BroadPhase(loaded.scene, Sweeps(pairing))) if crowded else None
     return [repr(event) for event in run(() if crowded else pairing.all(), loaded.settings, crowd)]
 
 
-def told_by_shares(sample: str, crowded: bool, shares: int) -> list[str]:
+def told_by_shares(scene: Path, crowded: bool, shares: int) -> list[str]:
     """Return the events of the shares, merged, whichever was done first."""
-    loaded = read_scene(FOLDER / sample / "scene.yaml")
+    loaded = read_scene(scene)
     work = Work(loaded.scene, loaded.settings, crowded)
     sent = packed(work)
     ticks = packed_ticks(work, [windows_of(sent, share) for share in shares_of(2)]) if crowded else None
@@ -111,7 +112,25 @@ def test_every_pair_belongs_to_one_share_and_shares_are_even_for_neighbours_and_
     ],
 )
 def test_shares_merged_tell_what_one_run_tells_in_its_order(sample, crowded, shares):
-    assert told_by_shares(sample, crowded, shares) == told_by_one(sample, crowded)
+    scene = FOLDER / sample / "scene.yaml"
+    assert told_by_shares(scene, crowded, shares) == told_by_one(scene, crowded)
+
+
+@pytest.mark.parametrize("crowded", [False, True])
+def test_contacts_that_begin_at_nearly_the_same_time_are_told_in_the_order_of_one_run(tmp_path, crowded):
+    """Boxes that spin fall onto a plate within some milliseconds: the one goes back in time while the other waits."""
+    rng = np.random.default_rng(1)
+    bodies = ["  plate: {pose: {xyz: [0, 0, -0.5]}, shapes: [{box: [99, 99, 1]}]}"]
+    for index in range(30):
+        place = f"xyz: [{2 * (index % 6) - 5}, {2 * (index // 6) - 5}, {1.5 + rng.uniform(0, 0.01):.4f}]"
+        x, y = rng.normal(0, 5, 2)
+        motion = f"{{type: constant, velocity: [0, 0, -2], angular_velocity: [{x:.2f}, {y:.2f}, 3]}}"
+        bodies.append(f"  b{index}: {{pose: {{{place}}}, shapes: [{{box: [0.5, 0.5, 0.5]}}], motion: {motion}}}")
+    scene = tmp_path / "scene.yaml"
+    scene.write_text(
+        "closecall: 1\nunits: {length: m, angle: rad}\ntime: {start: 0, end: 1}\nbodies:\n" + "\n".join(bodies)
+    )
+    assert told_by_shares(scene, crowded, 3) == told_by_one(scene, crowded)
 
 
 @pytest.mark.deep
@@ -119,7 +138,8 @@ def test_shares_merged_tell_what_one_run_tells_in_its_order(sample, crowded, sha
 @pytest.mark.parametrize("crowded", [False, True])
 @pytest.mark.parametrize("shares", [1, 2, 7, 64])
 def test_shares_of_every_sample_merged_tell_what_one_run_tells(sample, crowded, shares):
-    assert told_by_shares(sample, crowded, shares) == told_by_one(sample, crowded)
+    scene = FOLDER / sample / "scene.yaml"
+    assert told_by_shares(scene, crowded, shares) == told_by_one(scene, crowded)
 
 
 @pytest.mark.parametrize(("broad_phase", "numbers"), [("off", ["1", "2", "3"]), ("on", ["1", "auto"])])
