@@ -301,16 +301,18 @@ def test_faults_are_told_in_lines_and_exit_2(run, folder: Path) -> None:
         ["s.yaml:10:61", "bodies.carriage.motion"],
         ["s.yaml:14:23", "bodies.tool.shapes[0].sphere"],
     ]
-    assert run("check", "none.yaml").err == "none.yaml: the file cannot be read: No such file or directory\n"
+    assert run("check", "none.yaml").err == (
+        "none.yaml:1:1: scene: the file cannot be read: No such file or directory\n"
+    )
 
 
 @pytest.mark.parametrize("command", ["check", "run"])
 @pytest.mark.parametrize(
     ("options", "phrase"),
     [
-        (["--strict"], "cell.yaml: under --strict: cell.yaml:6:17: meshes.plate.file: plate.obj is open"),
-        (["--max-pairs", "2"], "cell.yaml: more than 2 pairs, ignore some or raise --max-pairs"),
-        (["--max-bytes", "100"], "cell.yaml: the file is larger than 100 bytes"),
+        (["--strict"], "cell.yaml:1:1: scene: under --strict: cell.yaml:6:17: meshes.plate.file: plate.obj is open"),
+        (["--max-pairs", "2"], "cell.yaml:1:1: scene: more than 2 pairs, ignore some or raise --max-pairs"),
+        (["--max-bytes", "100"], "cell.yaml:1:1: scene: the file is larger than 100 bytes"),
     ],
 )
 def test_a_limit_that_is_passed_exits_2_and_writes_nothing(
@@ -336,9 +338,9 @@ def test_nothing_to_check_is_a_warning_and_under_strict_a_fault(run, folder: Pat
     done = run("check", "s.yaml")
     assert done.code == 0
     nothing = "nothing to check: no two bodies that may be checked move relative to each other\n"
-    assert done.err == f"warning: s.yaml: {nothing}"
+    assert done.err == f"warning: s.yaml:1:1: scene: {nothing}"
     strict = run("check", "s.yaml", "--strict")
-    assert (strict.code, strict.err) == (2, f"s.yaml: under --strict: s.yaml: {nothing}")
+    assert (strict.code, strict.err) == (2, f"s.yaml:1:1: scene: under --strict: s.yaml:1:1: scene: {nothing}")
 
 
 def test_files_may_come_from_a_named_root(run, folder: Path) -> None:

@@ -177,8 +177,8 @@ def test_bad_input_is_one_line_and_nothing_is_written(
         ("none/out.mcap", (), "none/out.mcap"),
         (".", (), "."),
         ("out.mcap", ("--epoch", "-1"), "give an --epoch of at least 0"),
-        ("out.mcap", ("--max-pairs", "2"), "s.yaml: more than 2 pairs"),
-        ("out.mcap", ("--max-bytes", "99"), "s.yaml: the file is larger than 99 bytes"),
+        ("out.mcap", ("--max-pairs", "2"), "s.yaml:1:1: scene: more than 2 pairs"),
+        ("out.mcap", ("--max-bytes", "99"), "s.yaml:1:1: scene: the file is larger than 99 bytes"),
     ],
 )
 def test_what_the_command_line_gets_wrong_is_one_line_and_nothing_is_written(

@@ -221,7 +221,7 @@ def test_a_file_that_cannot_be_read_is_a_fault(tmp_path: Path) -> None:
         (tmp_path, "directory"),
         (Path("a\0b"), "null"),
     ]:
-        with pytest.raises(SceneError, match=rf"\A[^:]*: the file cannot be read: .*{reason}"):
+        with pytest.raises(SceneError, match=rf":1:1: scene: the file cannot be read: .*{reason}"):
             read_bytes(path, LARGEST_DOCUMENT)
 
 
@@ -230,7 +230,7 @@ def test_a_document_over_the_limit_is_refused_unread(tmp_path: Path) -> None:
     with path.open("wb") as file:
         file.truncate(LARGEST_DOCUMENT + 1)
     expected = r"larger than 67108864 bytes, split it or allow more with --max-bytes"
-    with pytest.raises(SceneError, match=rf"\A[^:]*: the file is {expected}"):
+    with pytest.raises(SceneError, match=rf":1:1: scene: the file is {expected}"):
         read_bytes(path, LARGEST_DOCUMENT)
 
 

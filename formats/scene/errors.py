@@ -23,8 +23,8 @@ class Fault:
 
     Attributes:
         file: the scene file, as the caller named it.
-        line: counted from 1; 0 for the file as a whole, such as one that is missing.
-        column: in characters, counted from 1; 0 where the line is.
+        line: counted from 1.
+        column: in characters, counted from 1.
         place: the path in the scene, such as `bodies.gear.motion.keys[3].t`; `scene` for the whole.
         message: what is wrong, and what would be right.
     """
@@ -36,13 +36,12 @@ class Fault:
     message: str
 
     def __str__(self) -> str:
-        position = f":{self.line}:{self.column}: {self.place}" if self.line else ""
-        return f"{printable(self.file)}{position}: {self.message}"
+        return f"{printable(self.file)}:{self.line}:{self.column}: {self.place}: {self.message}"
 
 
 def whole_file(file: object, message: str) -> Fault:
     """Return a fault of a scene file as a whole."""
-    return Fault(str(file), 0, 0, place_text(()), message)
+    return Fault(str(file), 1, 1, place_text(()), message)
 
 
 class SceneError(Exception):

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 from .document import Document, refuse
-from .errors import SceneError, whole_file
 from .json_document import read_json
 from .yaml_document import read_yaml
 
@@ -21,10 +20,9 @@ def read_bytes(path: Path, most: int) -> bytes:
             data = file.read(most + 1)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
-        raise SceneError([whole_file(path, f"the file cannot be read: {reason}")]) from error
+        refuse(str(path), (1, 1), (), f"the file cannot be read: {reason}")
     if len(data) > most:
-        too_large = f"the file is larger than {most} bytes, split it or allow more with --max-bytes"
-        raise SceneError([whole_file(path, too_large)])
+        refuse(str(path), (1, 1), (), f"the file is larger than {most} bytes, split it or allow more with --max-bytes")
     return data
 
 
