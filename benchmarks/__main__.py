@@ -23,7 +23,7 @@ PARTS: dict[str, tuple[Callable[[], Iterator[Row]], Callable[[], Iterator[Row]]]
     "python": (lambda: python_share.rows(40, 5.0), lambda: python_share.rows(12, 1.0)),
     "start": (lambda: start_up.rows(8), lambda: start_up.rows(6)),
     "log": (lambda: log_share.rows(40, 5.0), lambda: log_share.rows(12, 1.0)),
-    "jobs": (lambda: jobs.rows(2, 44, 20.0), lambda: jobs.rows(2, 12, 1.0)),
+    "jobs": (lambda: jobs.rows(2, 44, 30.0), lambda: jobs.rows(2, 12, 1.0)),
     "bodies": (
         lambda: many_bodies.rows([100, 1000, 10_000, 100_000], 20.0),
         lambda: many_bodies.rows([100, 300, 1000], 20.0),

@@ -82,5 +82,5 @@ def rows(jobs: int, bodies: int, seconds: float) -> Iterator[Row]:
 if __name__ == "__main__":
     kinds = (int, int, float)
     given = [kind(text) for kind, text in zip(kinds, sys.argv[1:], strict=False)]
-    for row in rows(*[*given, *(2, 44, 20.0)[len(given) :]]):
+    for row in rows(*[*given, *(2, 44, 30.0)[len(given) :]]):
         print(row.markdown(), flush=True)
