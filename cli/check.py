@@ -45,12 +45,13 @@ def command(
         loaded = read_scene(scene, mesh_roots, max_bytes)
         pairing = Pairing(loaded.scene, NarrowPhase(loaded.scene.bodies), loaded.settings.margin)
         loaded, total = counted_pairs(loaded, strict)
-        if total <= FEW_PAIRS:
-            require_few(loaded, total, max_pairs)
-        pairs = near_at_start(pairing) if total > FEW_PAIRS else tuple(pairing.all())
-        margins = {pair.margin for pair in pairs}
         if total > FEW_PAIRS:
+            pairs = near_at_start(pairing)
             margins = {loaded.settings.margin, *(margin for _, margin in loaded.scene.rules.margins)}
+        else:
+            require_few(loaded, total, max_pairs)
+            pairs = tuple(pairing.all())
+            margins = {pair.margin for pair in pairs}
         if quiet:
             return 0
         print_warnings(loaded.warnings)

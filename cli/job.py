@@ -72,12 +72,14 @@ def run_job(scene_path: Path, output: Path, options: RunOptions) -> Result:
     if not crowded:
         require_few(loaded, total, options.max_pairs)
     work = Work(loaded.scene, settings, crowded)
-    told = _run_here if options.jobs == 1 and options.cluster is None else _run_by_workers
     ready = perf_counter()
     raise_interrupts()
     writing = 0.0
     with LogWriter(output, loaded, settings, total, _log_options(options)) as log:
-        events, fcl = told(work, total, scene_path.name, options)
+        if options.jobs == 1 and options.cluster is None:
+            events, fcl = _run_here(work, options)
+        else:
+            events, fcl = _run_by_workers(work, total, scene_path.name, options)
         if not options.quiet:
             events = shown(events, loaded.scene.start, loaded.scene.end, scene_path.name)
         with closing(events):
@@ -98,7 +100,7 @@ def run_job(scene_path: Path, output: Path, options: RunOptions) -> Result:
     return Result(summary, loaded.warnings, seconds)
 
 
-def _run_here(work: Work, total: int, name: str, options: RunOptions) -> Events:
+def _run_here(work: Work, options: RunOptions) -> Events:
     """Run the scene in this process."""
     pairing = Pairing(work.scene, NarrowPhase(work.scene.bodies), work.settings.margin)
     pairs = () if work.crowded else tuple(pairing.all())
@@ -111,7 +113,7 @@ def _run_here(work: Work, total: int, name: str, options: RunOptions) -> Events:
 
 
 def _run_by_workers(work: Work, total: int, name: str, options: RunOptions) -> Events:
-    """Have the scene run by workers, which share its pairs."""
+    """Have the scene, called `name`, run by workers, which share its `total` pairs."""
     times = list(_times(work.scene, options))
     camera = Camera(times, options.viz_pairs) if options.log == "full" else None
     with shares_shown(name, options.quiet) as show:

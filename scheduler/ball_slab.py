@@ -121,13 +121,7 @@ class BallSlabs:
             wanted = duration - since + late if since < duration else 0.0
             slab = _slab_between(motion, error, moments, wanted, beyond)
             self._stages.append(_Stage(since, late, wanted, kept, slab))
-            few = MOST_SLABS * (since + slab.horizon) >= (len(self._stages) - 1) * duration
-            if (
-                slab.horizon >= wanted
-                or slab.sleep(beyond) < slab.horizon
-                or not few
-                or len(self._stages) == MOST_SLABS
-            ):
+            if slab.horizon >= wanted or slab.sleep(beyond) < slab.horizon or self._are_many(since + slab.horizon):
                 return
             late = 4.0 * ulp(abs(start) + duration)
             before = moments.time + max(0.0, slab.horizon - late)
@@ -137,6 +131,11 @@ class BallSlabs:
             if knot - start > duration or kept <= beyond:
                 return
             moments, since = motion.at(knot), knot - start
+
+    def _are_many(self, reached: float) -> bool:
+        """Tell whether there are too many to go on, or too many for how far (s) they have reached."""
+        count = len(self._stages)
+        return count == MOST_SLABS or MOST_SLABS * reached < (count - 1) * self._duration
 
     def sleep(self, spare: float) -> float:
         """Return how long (s) slabs stay wider than `spare` m; errs low."""

@@ -108,7 +108,9 @@ class TakenSnapshots:
 
     def at(self, time: float, touching: frozenset[int], occasion: Collision | None = None) -> Snapshot:
         """Return the next snapshot of its kind."""
-        return next(self._ticks if occasion is None else self._occasions)
+        snapshot = next(self._ticks if occasion is None else self._occasions)
+        assert snapshot.time == time, "snapshots were taken in another order"
+        return snapshot
 
 
 def snapshot_times(scene: Scene, rate: float) -> Iterator[float]:
