@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from copy import deepcopy
+from fractions import Fraction
 from itertools import combinations
 from pathlib import Path
 from typing import Any
@@ -160,6 +161,14 @@ def test_swing_and_harmonic_follow_their_sines() -> None:
     np.testing.assert_allclose(posed(swing, [0.3])[0, :3, 3], expected, atol=1e-15)
     harmonic = {"type": "harmonic", "direction": [0, 3, 0], "amplitude": 200, "period": 2, "phase": 90}
     np.testing.assert_allclose(posed(harmonic, [0.5, 1.0])[:, 1, 3], [0.0, -0.2], atol=1e-15)
+
+
+def test_a_harmonic_is_where_it_is_after_a_thousand_million_periods() -> None:
+    harmonic = {"type": "harmonic", "direction": [0, 0, 1], "amplitude": 500, "period": 1.7}
+    times = [1700000001.1666667, 1700000007.1]
+    periods = [Fraction(time) / Fraction(1.7) % 1 for time in times]
+    expected = [0.5 * np.sin(2.0 * np.pi * float(part)) for part in periods]
+    np.testing.assert_allclose(posed(harmonic, times)[:, 2, 3], expected, atol=1e-15)
 
 
 def test_ballistic_flies_a_parabola_in_the_frame_of_its_pose() -> None:

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from .logs import Log
 from .sampling import Effort
-from .truth import NANOSECOND, Truth, point
+from .truth import Truth, point, seconds
 
 Values = dict[str, Any]
 
@@ -21,7 +21,7 @@ def check_transforms(truth: Truth, log: Log, effort: Effort, epoch: int) -> Iter
     messages = log.of("tf")
     order = rng.permutation(len(messages))[: effort.messages]
     for message in (messages[i] for i in order):
-        time = (message["log_time"] - epoch) * NANOSECOND
+        time = seconds({"timestamp": message["log_time"]}, epoch)
         for transform in message["transforms"]:
             yield from check_transform(truth, transform, time)
 

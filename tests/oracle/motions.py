@@ -68,9 +68,9 @@ def orbit(spec: Spec, t: FloatArray, units: Units) -> FloatArray:
 
 
 def sine(spec: Spec, t: FloatArray, units: Units) -> FloatArray:
-    """Return sin(2 pi t / period + phase), (n,)."""
-    phase = float(spec.get("phase", 0.0)) * units.radians
-    return np.sin(2.0 * np.pi * t / float(spec["period"]) + phase)
+    """Return sin(2 pi t / period + phase), (n,); after many periods the remainder, which is exact."""
+    phase, period = float(spec.get("phase", 0.0)) * units.radians, float(spec["period"])
+    return np.sin(2.0 * np.pi * np.fmod(t, period) / period + phase)
 
 
 def harmonic(spec: Spec, t: FloatArray, units: Units) -> FloatArray:
