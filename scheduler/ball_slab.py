@@ -62,7 +62,7 @@ class BallSlab:
         self._slack = slack
         self._near = near_future
         speed = norm(closing)
-        nearest = dot(apart, closing) / speed**2 if speed > 0.0 else 0.0
+        nearest = dot(apart, unit(closing)) / speed if speed > 0.0 else 0.0
         meeting = subtract(apart, scale(min(max(0.0, nearest), self.horizon), closing))
         gaps = (self._across(unit(way), apart, closing) for way in (apart, meeting))
         self._gap = max(gaps, key=lambda gap: (min(gap.lasts(beyond), self.horizon), gap.least(self.horizon)))

@@ -14,6 +14,7 @@ from .events import Bound, Distance, Reason, Verdict, Wakeup
 from .outlook import Outlook
 from .pair import Measurement, Pair
 from .stretches import Stretch
+from .valley import Tangent, Valley
 
 #: m: least distances are never known better than this.
 LEAST_TOLERANCE = 1e-6
@@ -21,10 +22,8 @@ LEAST_TOLERANCE = 1e-6
 ERRORS = 8.0
 #: Measurements a pair at most; the bracket stays wider where they do not suffice.
 MOST_MEASUREMENTS = 4_000
-#: Shorter stretches (in time resolutions) are gone through without a descent.
-STEPS_WORTH_A_DESCENT = 16.0
-#: The golden section.
-GOLDEN = 0.6180339887498949
+#: A descent goes on while it may find so large a share of the tolerance more.
+WORTH_A_STEP = 0.25
 #: Bounding spheres settle a measurement above this many times the target.
 SPHERES_SUFFICE = 1.25
 
@@ -73,7 +72,7 @@ class LeastDistance:
         if all(stretch.clearance >= self.target for stretch in stretches):
             return
         lowest = min(stretches, key=lambda stretch: (stretch.nearest, stretch.clearance))
-        yield from self._descend(lowest.start, lowest.end)
+        yield from self._descend((yield from self._probe(lowest.start)), lowest.start, lowest.end)
         first = 0
         while first < len(stretches):
             last = first
@@ -91,33 +90,25 @@ class LeastDistance:
         verdict = Verdict.CLEAR if clearance > self._pair.margin else stretch.verdict
         return stretch._replace(verdict=verdict, clearance=clearance)
 
-    def _descend(self, early: float, late: float) -> Generator[Found, None, None]:
-        """Measure where the distance seems to be least, by golden sections: a lower target is proved with fewer steps.
-
-        Nothing rests on there being one low only, nor on finding it.
+    def _descend(self, measurement: Measurement, early: float, late: float) -> Generator[Found, None, None]:
+        """Measure where the distance seems to be least: a lower target is proved with fewer steps.
 
         Args:
+            measurement: exact, where to begin.
             early, late: s, between which to look.
         """
-        if self.upper < inf and late - early < STEPS_WORTH_A_DESCENT * self._floor:
-            return
-        first, second = late - GOLDEN * (late - early), early + GOLDEN * (late - early)
-        at_first, at_second = (yield from self._probe(first)), (yield from self._probe(second))
-        while abs(at_second - at_first) > self.upper - self.target and self._left > 0:
-            if at_first < at_second:
-                late, second, at_second = second, first, at_first
-                first = late - GOLDEN * (late - early)
-                at_first = yield from self._probe(first)
-            else:
-                early, first, at_first = first, second, at_second
-                second = early + GOLDEN * (late - early)
-                at_second = yield from self._probe(second)
+        valley = Valley(early, late)
+        while self._left > 0:
+            time = valley.next(Tangent.at(measurement), WORTH_A_STEP * (self.upper - self.target))
+            if time is None:
+                return
+            measurement = yield from self._probe(time)
 
-    def _probe(self, time: float) -> Generator[Found, None, float]:
-        """Measure the distance (m) at a time, whatever was before and comes after."""
+    def _probe(self, time: float) -> Generator[Found, None, Measurement]:
+        """Measure exactly at a time, whatever was before and comes after."""
         measurement = self._measured(time, inf)
         yield from self._told(measurement, Bound.NONE, 0.0)
-        return measurement.above
+        return measurement
 
     def _advance(self, time: float, end: float) -> Generator[Found, None, bool]:
         """Prove the time (s) until `end`, both included, to stay above the target; return whether that was done.
@@ -126,9 +117,10 @@ class LeastDistance:
         """
         while True:
             target = self.target
+            upper = self.upper
             measurement = self._measured(time, SPHERES_SUFFICE * target)
-            if measurement.above < target:
-                yield from self._descend(time, end)
+            if measurement.above < upper:
+                yield from self._descend(measurement, time, end)
             stop = min(end, self._pair.motion.stop_after(time))  # joined stretches may hold jumps
             ahead = stop - time
             sleep, bound = 0.0, Bound.NONE

@@ -76,6 +76,13 @@ def test_the_clearance_of_the_slab_is_kept():
     assert told > CASES // 3
 
 
+@pytest.mark.parametrize("speed", [5e-324, 1e-170, 1e150])
+def test_balls_at_extreme_speeds_have_a_slab(speed):
+    across = BallSlab((3.0, 0.0, 0.0), 1.0, (0.0, speed, 0.0), 0.0, STEADY, 0.0)
+    assert across.sleep(0.0) == 10.0
+    assert across.clearance(10.0) == pytest.approx(2.0)
+
+
 class Path:
     """Two balls on random chains of motions, so large that they are apart at first, and the slabs between them."""
 
