@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from math import floor, log2
 
 import numpy as np
 from foxglove_schemas_protobuf.SceneEntity_pb2 import SceneEntity
@@ -15,7 +14,7 @@ from numpy.typing import NDArray
 from ....scheduler.scene import FloatArray
 from .colours import RGB
 from .transforms import WORLD, quaternions
-from .wire import TAG_W, TAG_X, TAG_Y, TAG_Z, Bytes, embedded
+from .wire import TAG_W, TAG_X, TAG_Y, TAG_Z, Bytes, embedded, power_of_two, rounded
 
 # Steps to which poses are rounded: a picture shows no finer ones, and what ends in zeros takes less than half the room.
 # Of what the boxes spread over; of a quaternion's unit.
@@ -55,7 +54,7 @@ class Crowd:
         self._sizes = high - low
         self._colours = np.array([(*rgb, opacity) for rgb in colours]).reshape(-1, 4)
         spread = np.ptp(poses[self._members, :3, 3], axis=0)
-        self._step = _place_step(float(max(spread.max(), self._sizes.max())))
+        self._step = power_of_two(_PLACE_STEP * float(max(spread.max(), self._sizes.max())))
         self._template: Bytes = np.tile(np.frombuffer(_CUBE, dtype=np.uint8), (len(members), 1))
 
     def __len__(self) -> int:
@@ -75,20 +74,9 @@ class Crowd:
         now = poses[self._members[drawn]]
         places = now[:, :3, 3] + np.einsum("nij,nj->ni", now[:, :3, :3], self._middles[drawn])
         turns = quaternions(now[:, :3, :3])
-        columns = (_rounded(places, self._step), _rounded(turns, _TURN_STEP), self._sizes[drawn], self._colours[drawn])
+        columns = (rounded(places, self._step), rounded(turns, _TURN_STEP), self._sizes[drawn], self._colours[drawn])
         cubes = self._template[: len(now)].copy()
         cubes[:, _HOLES.ravel()] = np.hstack(columns).astype("<f8").view(np.uint8)
         name = f"{len(self)} boxes"
         head: bytes = SceneEntity(timestamp=stamp, frame_id=WORLD, id=name, frame_locked=True).SerializeToString()
         return embedded(SceneUpdate.ENTITIES_FIELD_NUMBER, head + cubes.tobytes())
-
-
-def _place_step(size: float) -> float:
-    """Return the power of two, m, to whose multiples places are rounded among boxes that spread over `size`, m."""
-    return 2.0 ** floor(log2(_PLACE_STEP * size)) if size > 0.0 else _PLACE_STEP
-
-
-def _rounded(values: FloatArray, step: float) -> FloatArray:
-    """Return the nearest multiples of a step that is a power of two."""
-    rounded: FloatArray = np.round(values / step) * step
-    return rounded

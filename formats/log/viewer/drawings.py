@@ -17,7 +17,10 @@ from foxglove_schemas_protobuf.Vector3_pb2 import Vector3
 from ....scheduler.scene import Body, FloatArray, Shape
 from .surfaces import Surface, ball_centre, outermost, outline, surface, triangle_count
 from .transforms import quaternions
-from .wire import embedded, indices, points
+from .wire import embedded, indices, points, power_of_two, rounded
+
+#: Of how far points are moved out: about what they are rounded to.
+_INFLATION_STEP = 1.0 / 64.0
 
 
 class Drawings:
@@ -52,7 +55,8 @@ class Drawings:
             frame_from_body: where it is.
             colour: with opacity.
             origin: (3,) m in the body's frame, whose depth decides when it is painted.
-            inflation: m, how far every point is moved out.
+            inflation: m, how far every point is moved out; if they are, rounded by so little of it that it
+                is not seen, since what ends in zeros takes a third of the room.
         """
         return b"".join(
             self._about(origin, shape, frame_from_body, colour, inflation) for shape in self._bodies[body].shapes
@@ -79,10 +83,12 @@ class Drawings:
     def _about(
         self, origin: FloatArray, shape: Shape, frame_from_body: FloatArray, colour: Color, inflation: float
     ) -> bytes:
+        step = power_of_two(_INFLATION_STEP * inflation)
         key = (*_model(shape), inflation)
         if key not in self._surfaces:
-            self._surfaces[key] = surface(shape, inflation)
-        in_mesh = (origin - shape.pose[:3, 3]) @ shape.pose[:3, :3]
+            drawn = surface(shape, inflation)
+            self._surfaces[key] = Surface(rounded(drawn.points, step), drawn.triangles)
+        in_mesh = rounded((origin - shape.pose[:3, 3]) @ shape.pose[:3, :3], step)
         placement = frame_from_body @ shape.pose @ _translation(in_mesh)
         return _triangles(placement, *_packed(self._surfaces[key], in_mesh), colour)
 

@@ -17,7 +17,7 @@ from .crowd import Crowd
 from .drawings import Drawings
 from .markers import line
 from .transforms import WORLD
-from .wire import scene_update
+from .wire import rounded, scene_update
 
 # Bodies let the markers on them and in them show.
 _OPACITY = 0.65
@@ -30,6 +30,10 @@ _MOST_IN_RED = 5_000
 # the skin's origin lies over the body's.
 _SKIN = 0.004
 _RAISED = 0.05
+
+# To multiples of this what is up for a body is rounded: while it turns by less, its skin is the same. So many are kept.
+_UP_STEP = 0.25
+_MOST_SKINS = 64
 
 # How far the origins of what stands still lie below the scene, in its sizes; and how much a foot's height counts.
 _BELOW = 4.0
@@ -95,6 +99,7 @@ class BodyEntities:
         self.boxed = sum(1 for index in self._single if not self._exact[index])
         members = [index for index, apart in enumerate(crowded) if apart]
         colours = [self._colours[index] for index in members]
+        self._skins: dict[int, tuple[bytes, bytes]] = {}  # those told last, each with what it depends on
         self.crowd = Crowd(members, drawings.outlines, colours, _OPACITY, poses) if members else None
 
     def all(self, stamp: Timestamp, there: NDArray[np.bool_]) -> bytes:
@@ -107,14 +112,15 @@ class BodyEntities:
 
         Its origin lies over the body's, so that a viewer that looks from above paints it after the body.
         """
-        low, high = self._drawings.outlines[index].min(axis=0), self._drawings.outlines[index].max(axis=0)
-        size = float(np.linalg.norm(high - low))
-        placement, red = self._placement(index, world_from_body), colour(RED, _OPACITY_IN_RED)
-        if self._drawings.triangles[index] > _MOST_IN_RED:
-            return self._entity(index, stamp, self._drawings.box(index, placement, red, _SKIN * size))
-        origin = 0.5 * (low + high) + _RAISED * size * world_from_body[2, :3]  # that row is the world's z axis
-        skin = self._drawings.triangulated(index, placement, red, origin, _SKIN * size)
-        return self._entity(index, stamp, skin)
+        placement = self._placement(index, world_from_body)
+        up = rounded(world_from_body[2, :3], _UP_STEP)  # that row is the world's z axis
+        look = placement.tobytes() + up.tobytes()
+        if index not in self._skins or self._skins[index][0] != look:
+            self._skins.pop(index, None)
+            if len(self._skins) == _MOST_SKINS:
+                del self._skins[next(iter(self._skins))]
+            self._skins[index] = look, self._skin(index, placement, up)
+        return self._entity(index, stamp, self._skins[index][1])
 
     def roof(self, index: int, world_from_body: FloatArray) -> float:
         """Return the height (m, z in the world) of a body's highest point, given its pose (4x4) now; errs low."""
@@ -164,6 +170,15 @@ class BodyEntities:
         if self._framed[index] or self._drawings.triangles[index] == 0:
             return self._drawings.exact(index, placement, paint)
         return self._drawings.triangulated(index, placement, paint, self._depth(index))
+
+    def _skin(self, index: int, placement: FloatArray, up: FloatArray) -> bytes:
+        """Return what covers a body placed (4x4) in its entity's frame, where `up` (3,) points up in its own."""
+        low, high = self._drawings.outlines[index].min(axis=0), self._drawings.outlines[index].max(axis=0)
+        size, red = self.size(index), colour(RED, _OPACITY_IN_RED)
+        if self._drawings.triangles[index] > _MOST_IN_RED:
+            return self._drawings.box(index, placement, red, _SKIN * size)
+        origin = 0.5 * (low + high) + _RAISED * size * up
+        return self._drawings.triangulated(index, placement, red, origin, _SKIN * size)
 
     def _depth(self, index: int) -> FloatArray:
         """Return the origin (3,) m, in its own frame, of what stands still: so far below that it is painted first.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from math import floor, log2
 
 import numpy as np
 from foxglove_schemas_protobuf.SceneEntityDeletion_pb2 import SceneEntityDeletion
@@ -51,6 +52,19 @@ def points(field: int, coordinates: FloatArray) -> bytes:
 def indices(field: int, values: IntArray) -> bytes:
     """Return a packed field of fixed32, of any shape, row by row."""
     return embedded(field, values.astype("<u4").tobytes())
+
+
+def power_of_two(size: float) -> float:
+    """Return the greatest power of two up to `size`, 0 for 0."""
+    return 2.0 ** floor(log2(size)) if size > 0.0 else 0.0
+
+
+def rounded(values: FloatArray, step: float) -> FloatArray:
+    """Return the nearest multiples of a step that is a power of two; for 0 the values."""
+    if step == 0.0:
+        return values
+    multiples: FloatArray = np.round(values / step) * step
+    return multiples
 
 
 def timestamp(log_time: int) -> Timestamp:
