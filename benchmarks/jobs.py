@@ -2,8 +2,8 @@
 
 `python -m benchmarks.jobs [JOBS [BODIES [SECONDS]]]` runs `closecall run` with `--log certificate`, and with its
 default options, by one process and by JOBS, and compares the bytes. CPU is that of all processes. The serial part is
-the CPU time of the process that reads the scene, merges what others tell, takes the snapshots and writes, as a share
-of what one process takes for all.
+the CPU time of the process that reads the scene, merges what others tell and writes, as a share of what one process
+takes for all.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from tempfile import TemporaryDirectory
 from time import perf_counter
 from typing import NamedTuple
 
+from .command import PLAIN
 from .rocks import Rocks
 from .table import Row
 
@@ -29,8 +30,6 @@ def tell():
     usages = map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
     print(json.dumps([usage.ru_utime + usage.ru_stime for usage in usages]))
 atexit.register(tell)
-from closecall.cli.main import main
-main()
 """
 
 
@@ -53,7 +52,7 @@ def cost(scene: Path, jobs: int, kind: str) -> Cost:
     log = scene.with_name("out.mcap")
     options = ["run", str(scene), "-o", str(log), "-q", "--jobs", str(jobs), "--log", kind]
     began = perf_counter()
-    done = run([sys.executable, "-c", _CHILD, *options], capture_output=True, text=True, check=True)
+    done = run([sys.executable, "-c", _CHILD + PLAIN, *options], capture_output=True, text=True, check=True)
     wall = perf_counter() - began
     own, children = json.loads(done.stdout)
     return Cost(own, children, wall, log.read_bytes())

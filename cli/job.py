@@ -13,6 +13,7 @@ import click
 
 from ..formats.log.chunks import Compression
 from ..formats.log.summary import Summary
+from ..formats.log.viewer.pictures import Picture
 from ..formats.log.viewer.viewer import ViewerOptions
 from ..formats.log.writer import LogOptions, LogWriter, Topics
 from ..formats.scene.errors import SceneError, counted, whole_file
@@ -35,7 +36,7 @@ from .options import LEAST_SNAPSHOTS, USUAL_RATE, RunOptions
 from .progress import shares_shown, shown
 from .sharing import Camera, told_by_workers
 
-Events = tuple[Generator[Event, None, None], Callable[[], float]]
+Events = tuple[Generator[Event | Picture, None, None], Callable[[], float]]
 """What is told, and after that, the wall-clock seconds it took inside FCL, summed over all processes."""
 
 #: Up to so many pairs each is watched throughout, and its least distance told. Of more, swept boxes say which are.
@@ -115,13 +116,13 @@ def _run_here(work: Work, options: RunOptions) -> Events:
 def _run_by_workers(work: Work, total: int, name: str, options: RunOptions) -> Events:
     """Have the scene, called `name`, run by workers, which share its `total` pairs."""
     times = list(_times(work.scene, options))
-    camera = Camera(times, options.viz_pairs) if options.log == "full" else None
+    viewer = _viewer_options(options)
+    camera = None if viewer is None else Camera(times, viewer, options.epoch)
     with shares_shown(name, options.quiet) as show:
-        streams, snapshots, fcl = told_by_workers(work, total, options.jobs, options.cluster, camera, show)
-    events = merged(streams)
-    if camera is not None:
-        events = observed(events, snapshots, times, work.settings.time_resolution)
-    return events, lambda: fcl
+        streams, pictures, fcl = told_by_workers(work, total, options.jobs, options.cluster, camera, show)
+    if camera is None:
+        return merged(streams), lambda: fcl
+    return observed(merged(streams), pictures, times, work.settings.time_resolution), lambda: fcl
 
 
 def counted_pairs(loaded: LoadedScene, strict: bool) -> tuple[LoadedScene, int]:
@@ -158,8 +159,13 @@ def _log_options(options: RunOptions) -> LogOptions:
         epoch=options.epoch,
         attach_meshes=options.attach_meshes,
         topics=Topics(options.topics),
-        viewer=ViewerOptions(options.viz_pairs, options.viz_triangles) if options.log == "full" else None,
+        viewer=_viewer_options(options),
     )
+
+
+def _viewer_options(options: RunOptions) -> ViewerOptions | None:
+    """Return what viewers get, None for the certificate alone."""
+    return ViewerOptions(options.viz_pairs, options.viz_triangles) if options.log == "full" else None
 
 
 def _times(scene: Scene, options: RunOptions) -> Iterator[float]:

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import contextmanager
+from typing import TypeVar
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from ..scheduler.events import Collision, Event, Phase, Wakeup
+from ..scheduler.events import Collision, Phase, Wakeup
+
+ToldT = TypeVar("ToldT")
 
 #: Wakeups between two looks at the clock: the bar costs nothing measurable.
 WAKEUPS_PER_UPDATE = 256
 
 
-def shown(events: Iterable[Event], start: float, end: float, title: str) -> Generator[Event, None, None]:
+def shown(events: Iterable[ToldT], start: float, end: float, title: str) -> Generator[ToldT, None, None]:
     """Yield the events while a bar on stderr, if that is a terminal, shows how far they have come."""
     console = Console(stderr=True)
     if not console.is_terminal:

@@ -7,10 +7,12 @@ from itertools import chain
 from tempfile import SpooledTemporaryFile, gettempdir
 from typing import IO, Any, NamedTuple
 
-from ..scheduler.instants import Instant, TakenSnapshots, instants
+from ..formats.log.viewer.pictures import Picture, pictures
+from ..formats.log.viewer.viewer import ViewerOptions
+from ..scheduler.instants import Instant, Taken, instants
 from ..scheduler.packing import Work, packed, unpacked_stream
 from ..scheduler.share import shares_of
-from ..scheduler.streams import Stream, packed_ticks, pictures, stream, told_in_order, windows_of
+from ..scheduler.streams import Stream, packed_ticks, stream, told_in_order, windows_of
 from .faults import WorkerError
 from .workers import Team, team_of
 
@@ -19,24 +21,25 @@ from .workers import Team, team_of
 SHARES_A_WORKER, SHARES_OF_A_CROWD = 8, 2
 #: Shares beyond which there are only as many as workers.
 MANY_SHARES = 128
-#: Rows of snapshots for each worker.
+#: Rows of pictures for each worker.
 ROWS_A_WORKER = 4
 #: Bytes of what a call tells that are kept in memory; of more all is in a file.
 KEPT_BYTES = 1 << 20
 
 
 class Camera(NamedTuple):
-    """When (s) snapshots are taken, besides at collisions, and how many pairs each names at most."""
+    """When (s) pictures are taken, besides at collisions, how much each shows, and the ns added to its log time."""
 
     times: Sequence[float]
-    most_pairs: int
+    options: ViewerOptions
+    epoch: int
 
 
 class Told(NamedTuple):
-    """What workers told: streams for `merged`, the snapshots, and the seconds it took inside FCL."""
+    """What workers told: streams for `merged`, the pictures, and the seconds it took inside FCL."""
 
     streams: list[IO[bytes]]
-    snapshots: TakenSnapshots
+    pictures: Taken[Picture]
     fcl: float
 
 
@@ -48,14 +51,14 @@ def told_by_workers(
     camera: Camera | None,
     done: Callable[[int, int], None],
 ) -> Told:
-    """Have all shares run, and then the snapshots taken; return what is told.
+    """Have all shares run, and then the pictures taken; return what is told.
 
     Args:
         work: to be shared.
         pairs: how many there are.
         jobs: how many processes of this machine run them, unless there is a cluster.
         cluster: address of its scheduler.
-        camera: None for no snapshots.
+        camera: None for no pictures.
         done: is told how many calls of how many are done.
 
     Raises:
@@ -78,21 +81,21 @@ def told_by_workers(
             done(len(kept), shares)
         fcl = sum(told.fcl for told in streams)
         if camera is None:
-            return Told(kept, TakenSnapshots(iter(()), iter(())), fcl)
-        snapshots, taking = _snapshots(team, sent, camera, streams)
-        return Told(kept, snapshots, fcl + taking)
+            return Told(kept, Taken(iter(()), iter(())), fcl)
+        seen, taking = _pictures(team, sent, camera, streams)
+        return Told(kept, seen, fcl + taking)
 
 
-def _snapshots(team: Team, sent: Any, camera: Camera, streams: Iterable[Stream]) -> tuple[TakenSnapshots, float]:
-    """Have the snapshots taken, in rows of neighbours; return them, and the seconds it took inside FCL."""
+def _pictures(team: Team, sent: Any, camera: Camera, streams: Iterable[Stream]) -> tuple[Taken[Picture], float]:
+    """Have the pictures taken, in rows of neighbours; return them, and the seconds it took inside FCL."""
     kinds = [_rows(kind, ROWS_A_WORKER * team.size) for kind in instants(told_in_order(streams), camera.times)]
-    calls = [(sent, camera.most_pairs, row) for row in chain(*kinds)]
+    calls = [(sent, camera.options, camera.epoch, row) for row in chain(*kinds)]
     taken, fcl = [], 0.0
     for told in team.results(pictures, calls):
         taken.append(_kept(told.packed))
         fcl += told.fcl
     ticks, occasions = taken[: len(kinds[0])], taken[len(kinds[0]) :]
-    return TakenSnapshots(*(chain.from_iterable(map(unpacked_stream, kind)) for kind in (ticks, occasions))), fcl
+    return Taken(*(chain.from_iterable(map(unpacked_stream, kind)) for kind in (ticks, occasions))), fcl
 
 
 def _rows(all_of_a_kind: list[Instant], count: int) -> list[list[Instant]]:

@@ -6,11 +6,11 @@ from collections.abc import Generator, Iterable, Iterator
 from heapq import merge
 from itertools import groupby
 from math import floor
-from typing import NamedTuple, Protocol
+from typing import Generic, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
-from .events import Collision, Event, Phase, Snapshot, Wakeup
+from .events import Collision, Event, Phase, Wakeup
 from .scene import Scene
 from .snapshot import lifetimes
 
@@ -23,10 +23,23 @@ class Instant(NamedTuple):
     occasion: Collision | None = None
 
 
-class Observes(Protocol):
+class Seen(Protocol):
+    """A snapshot, or what is made of it."""
+
+    @property
+    def time(self) -> float:
+        """When (s) it was taken."""
+        ...
+
+
+SeenT = TypeVar("SeenT", bound=Seen)
+SeenT_co = TypeVar("SeenT_co", bound=Seen, covariant=True)
+
+
+class Observes(Protocol[SeenT_co]):
     """What takes snapshots."""
 
-    def at(self, time: float, touching: frozenset[int], occasion: Collision | None = None) -> Snapshot:
+    def at(self, time: float, touching: frozenset[int], occasion: Collision | None = None) -> SeenT_co:
         """Return the snapshot at `time` (s), while the pairs with ids in `touching` are in contact."""
         ...
 
@@ -59,8 +72,8 @@ class Touching:
 
 
 def observed(
-    events: Iterable[Event], observer: Observes, times: Iterable[float], time_resolution: float
-) -> Generator[Event, None, None]:
+    events: Iterable[Event], observer: Observes[SeenT], times: Iterable[float], time_resolution: float
+) -> Generator[Event | SeenT, None, None]:
     """Yield the events with snapshots between them: at each time, and at each collision.
 
     A tick is taken once every pair is decided up to it: no wakeup goes back by more than one time resolution.
@@ -99,14 +112,14 @@ def instants(collisions: Iterable[Collision], times: Iterable[float]) -> tuple[l
     return [Instant(time, touching.at(time)) for time in times], occasions
 
 
-class TakenSnapshots:
+class Taken(Generic[SeenT]):
     """Snapshots that were taken before, at the instants that `instants` told."""
 
-    def __init__(self, ticks: Iterator[Snapshot], occasions: Iterator[Snapshot]) -> None:
+    def __init__(self, ticks: Iterator[SeenT], occasions: Iterator[SeenT]) -> None:
         """Take those at times and those at collisions, each in order."""
         self._ticks, self._occasions = ticks, occasions
 
-    def at(self, time: float, touching: frozenset[int], occasion: Collision | None = None) -> Snapshot:
+    def at(self, time: float, touching: frozenset[int], occasion: Collision | None = None) -> SeenT:
         """Return the next snapshot of its kind."""
         snapshot = next(self._ticks if occasion is None else self._occasions)
         assert snapshot.time == time, "snapshots were taken in another order"

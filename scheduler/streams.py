@@ -18,7 +18,7 @@ from .broad_phase import BroadPhase, Tick
 from .crowd import Crowd
 from .events import Collision, Event, Snapshot, Window
 from .heap import WakeupQueue
-from .instants import Instant, Observes
+from .instants import Observes
 from .nearest import CrowdObserver
 from .packing import Work, packed_stream, unpacked, unpacked_stream
 from .pair import Pair
@@ -30,8 +30,6 @@ from .windows import Sweeps, ToldWindows, Windows
 
 #: Turns that are packed, and unpacked, together. The merger holds so many of each stream.
 _TURNS_A_PACK = 256
-#: Snapshots, which hold every body's pose.
-_PICTURES_A_PACK = 8
 
 #: A turn in the heap, and whose part of it: of the ends of windows, first the windows, then the pairs that enter by id.
 Turn = tuple[float, int, int]
@@ -48,13 +46,6 @@ class Stream(NamedTuple):
 
     turns: bytes
     collisions: list[tuple[Turn, Collision]]
-    fcl: float
-
-
-class Pictures(NamedTuple):
-    """Snapshots, packed, and the wall-clock seconds inside FCL that they took."""
-
-    packed: bytes
     fcl: float
 
 
@@ -85,16 +76,7 @@ def stream(packed_work: bytes, share: Share, ticks: bytes | None = None) -> Stre
     return Stream(turns, collisions, pairing.narrow_phase.seconds - before)
 
 
-def pictures(packed_work: bytes, most_pairs: int, instants: list[Instant]) -> Pictures:
-    """Take the snapshots of some instants, in any process or thread; each names at most so many pairs."""
-    work, pairing = unpacked(packed_work)
-    before = pairing.narrow_phase.seconds
-    observer = observer_of(pairing, None if work.crowded else tuple(pairing.all()), most_pairs)
-    taken = packed_stream((observer.at(*instant) for instant in instants), _PICTURES_A_PACK)
-    return Pictures(taken, pairing.narrow_phase.seconds - before)
-
-
-def observer_of(pairing: Pairing, pairs: Sequence[Pair] | None, most_pairs: int) -> Observes:
+def observer_of(pairing: Pairing, pairs: Sequence[Pair] | None, most_pairs: int) -> Observes[Snapshot]:
     """Return what takes snapshots of a scene and of its pairs, None for those of a crowd."""
     if pairs is None:
         return CrowdObserver(pairing, most_pairs)

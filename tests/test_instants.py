@@ -16,7 +16,7 @@ from closecall.scheduler.events import (
     Snapshot,
     Wakeup,
 )
-from closecall.scheduler.instants import TakenSnapshots, Touching, instants, observed, snapshot_times
+from closecall.scheduler.instants import Taken, Touching, instants, observed, snapshot_times
 from closecall.scheduler.motions import Fixed
 from closecall.scheduler.scene import Body, PairRules, Scene
 
@@ -86,7 +86,7 @@ def test_snapshots_may_be_taken_before_at_the_same_instants() -> None:
         camera = Camera()
         live = list(observed(events, camera, times, RESOLUTION))
         kinds = instants([event for event in events if isinstance(event, Collision)], times)
-        taken = TakenSnapshots(*(iter([Camera().at(*instant) for instant in kind]) for kind in kinds))
+        taken = Taken(*(iter([Camera().at(*instant) for instant in kind]) for kind in kinds))
         again = list(observed(events, taken, times, RESOLUTION))
         assert [asked for asked in camera.asked if asked[2] is None] == [tuple(instant) for instant in kinds[0]]
         assert [asked for asked in camera.asked if asked[2] is not None] == [tuple(instant) for instant in kinds[1]]

@@ -55,7 +55,7 @@ def test_a_skin_lies_about_its_body_with_its_origin_over_it(framed):
     for _ in range(300):
         pose = random_pose(rng)
         for _ in range(2):  # what is told again is told the same
-            points, origin = drawn(shown.in_red(0, Timestamp(), pose))
+            points, origin = drawn(b"".join(shown.in_red(0, Timestamp(), pose)))
             if not framed:
                 points, origin = ((v - pose[:3, 3]) @ pose[:3, :3] for v in (points, origin))
             local = (points - TILTED[:3, 3]) @ TILTED[:3, :3]
@@ -80,6 +80,6 @@ def test_skins_of_a_body_that_turns_take_little_room():
     skins = []
     for angle in np.linspace(0.0, 0.3, 50):
         turn[:3, :3] = Rotation.from_rotvec((0.0, angle, 0.0)).as_matrix()
-        skins.append(shown.in_red(0, Timestamp(), turn))
+        skins.append(b"".join(shown.in_red(0, Timestamp(), turn)))
     assert len(set(skins)) <= 3
     assert len(zlib.compress(skins[0])) < 0.6 * len(skins[0])

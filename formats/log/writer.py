@@ -36,7 +36,9 @@ from .facts import FactFiller
 from .identity import identity
 from .output import destination
 from .summary import Summary, SummaryBuilder, subject_of, to_json
+from .viewer.pictures import Picture
 from .viewer.viewer import Viewer, ViewerOptions
+from .viewer.wire import Pieces
 
 # The file counts its channels with 16 bits; the topics that are not of a body have the rest.
 _MOST_BODY_TOPICS = 65_000
@@ -146,9 +148,12 @@ class LogWriter:
         finally:
             self._output.abandon()
 
-    def write(self, event: Event) -> None:
-        """Add a fact under its own time, which may lie before facts already written."""
+    def write(self, event: Event | Picture) -> None:
+        """Add a fact under its own time, which may lie before facts already written; or what viewers are shown."""
         self._empty = False
+        if isinstance(event, Picture):
+            self._show_picture(event)
+            return
         self._summary.add(event)
         match event:
             case Wakeup():
@@ -215,10 +220,16 @@ class LogWriter:
         except OSError as error:
             raise self._output.fault(error) from error
 
-    def _show(self, messages: Iterable[tuple[Channel, bytes]], log_time: int) -> None:
+    def _show_picture(self, picture: Picture) -> None:
+        assert self._viewer is not None
+        channels = {channel.name: channel for channel in self._viewer.channels}
+        messages = ((channels[topic], pieces) for topic, pieces in picture.messages)
+        self._show(messages, self._log_time(picture.time))
+
+    def _show(self, messages: Iterable[tuple[Channel, Pieces]], log_time: int) -> None:
         with self._faults_named():
-            for channel, data in messages:
-                self._chunks.add_serialized(channel, data, log_time)
+            for channel, pieces in messages:
+                self._chunks.add_serialized(channel, b"".join(pieces), log_time)
 
     def _distance_topic(self, event: Distance) -> Topic[pb.Distance]:
         if self._options.topics is Topics.SINGLE:

@@ -17,7 +17,7 @@ from .crowd import Crowd
 from .drawings import Drawings
 from .markers import line
 from .transforms import WORLD
-from .wire import rounded, scene_update
+from .wire import Pieces, rounded, scene_update
 
 # Bodies let the markers on them and in them show.
 _OPACITY = 0.65
@@ -105,10 +105,10 @@ class BodyEntities:
     def all(self, stamp: Timestamp, there: NDArray[np.bool_]) -> bytes:
         """Return a SceneUpdate with the bodies that exist (n,), have a shape and are not of the crowd."""
         shown = [index for index in self._single if there[index]]
-        return scene_update(stamp, [self._entity(k, stamp, self._drawn(k) + self._dot(k)) for k in shown])
+        return scene_update(stamp, [self._head(k, stamp) + self._drawn(k) + self._dot(k) for k in shown])
 
-    def in_red(self, index: int, stamp: Timestamp, world_from_body: FloatArray) -> bytes:
-        """Return the entity that covers a body in red, given its pose (4x4) now.
+    def in_red(self, index: int, stamp: Timestamp, world_from_body: FloatArray) -> Pieces:
+        """Return the entity that covers a body in red, given its pose (4x4) now; the large piece often is the same one.
 
         Its origin lies over the body's, so that a viewer that looks from above paints it after the body.
         """
@@ -120,7 +120,7 @@ class BodyEntities:
             if len(self._skins) == _MOST_SKINS:
                 del self._skins[next(iter(self._skins))]
             self._skins[index] = look, self._skin(index, placement, up)
-        return self._entity(index, stamp, self._skins[index][1])
+        return self._head(index, stamp), self._skins[index][1]
 
     def roof(self, index: int, world_from_body: FloatArray) -> float:
         """Return the height (m, z in the world) of a body's highest point, given its pose (4x4) now; errs low."""
@@ -196,11 +196,12 @@ class BodyEntities:
         """Return the pose (4x4) of a body in its entity's frame, given that in the world."""
         return _IDENTITY if self._framed[index] else world_from_body
 
-    def _entity(self, index: int, stamp: Timestamp, primitives: bytes) -> bytes:
+    def _head(self, index: int, stamp: Timestamp) -> bytes:
+        """Return a body's entity but for its primitives."""
         name = self._bodies[index].name
         frame = name if self._framed[index] else WORLD
         head: bytes = SceneEntity(timestamp=stamp, frame_id=frame, id=name, frame_locked=True).SerializeToString()
-        return head + primitives
+        return head
 
 
 def _times_drawn(scene: Scene) -> list[int]:

@@ -11,8 +11,10 @@ import numpy as np
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from google.protobuf.timestamp_pb2 import Timestamp
+from numpy.typing import NDArray
 
 from ....scheduler.events import Collision, Nearness, PairKey, Phase, Snapshot, Verdict
+from ....scheduler.instants import changes_of_existence
 from ....scheduler.lineage import lineage
 from ....scheduler.motions import Fixed
 from ....scheduler.poses import WorldPoses
@@ -29,7 +31,7 @@ from .layout import CloseUp, layout
 from .markers import CallOuts, MarkerSizes, clearances, contact, names
 from .reach import reach
 from .transforms import TransformPacker
-from .wire import scene_update, timestamp
+from .wire import Pieces, timestamp, update_in_pieces
 
 _SEVERITY = [verdict.name.lower() for verdict in SEVERITY]
 
@@ -69,7 +71,8 @@ class Viewer:
     def __init__(self, scene: Scene, options: ViewerOptions) -> None:
         """Take the scene and how much of it to show."""
         bodies = scene.bodies
-        self._start = scene.start
+        self._scene = scene
+        self._changes = frozenset(changes_of_existence(scene))
         self._options = options
         self._bodies = bodies
         self._names = tuple(body.name for body in bodies)
@@ -77,7 +80,6 @@ class Viewer:
         self._frames = [index for index, moves in enumerate(moving) if moves][:_MOST_FRAMES]
         self._packer = self._packer_of(self._frames)
         self._poses_at_start = WorldPoses(bodies).at(scene.start)
-        self._there = existing(scene, scene.start)
         drawings = Drawings(bodies)
         seen = reach(scene, drawings.outlines, moving)
         self._view = camera(seen)
@@ -109,33 +111,33 @@ class Viewer:
         """Return the Foxglove layout that fits the scene and what was found, as JSON."""
         return self._layout(self._close_up(summary))
 
-    def opening(self, log_time: int) -> Iterator[tuple[Channel, bytes]]:
+    def opening(self, log_time: int) -> Iterator[tuple[Channel, Pieces]]:
         """Yield the bodies and where they are at the start, `log_time` in ns: without ticks, all that is known."""
-        yield self._meshes, self._entities.all(timestamp(log_time), self._there)
-        yield from self._placed(self._poses_at_start, timestamp(log_time))
+        there = existing(self._scene, self._scene.start)
+        yield self._meshes, (self._entities.all(timestamp(log_time), there),)
+        yield from self._placed(self._poses_at_start, there, timestamp(log_time))
 
-    def shown(self, snapshot: Snapshot, log_time: int) -> Iterator[tuple[Channel, bytes]]:
-        """Yield what a snapshot shows, at `log_time` in ns."""
+    def shown(self, snapshot: Snapshot, log_time: int) -> Iterator[tuple[Channel, Pieces]]:
+        """Yield what a snapshot shows, at `log_time` in ns, whatever was shown before."""
         stamp = timestamp(log_time)
         if snapshot.occasion is not None:
             frames = self._frames_of(snapshot.occasion.pair)
             if frames:
-                yield self._tf, self._packer_of(frames).pack(stamp, snapshot.poses[frames])
-        elif snapshot.time != self._start:  # the opening told where all is at the start
-            if not np.array_equal(snapshot.there, self._there):
-                self._there = snapshot.there
-                yield self._meshes, self._entities.all(stamp, self._there)
-            yield from self._placed(snapshot.poses, stamp)
-        yield self._world, self._told(snapshot, stamp)
+                yield self._tf, (self._packer_of(frames).pack(stamp, snapshot.poses[frames]),)
+        elif snapshot.time != self._scene.start:  # the opening told where all is at the start
+            if snapshot.time in self._changes:
+                yield self._meshes, (self._entities.all(stamp, snapshot.there),)
+            yield from self._placed(snapshot.poses, snapshot.there, stamp)
+        yield self._world, (self._told(snapshot, stamp),)
         told = CallOuts(self._view)
         yield self._contacts, self._touching(snapshot, told, stamp)
         apart = [near for near in snapshot.nearest[: self._options.pairs] if near.distance > 0.0]
         drawn = (near for near in apart if near is apart[0] or near.distance < self._sizes.farthest)
         lines = ((self._pair_name(near.pair), near) for near in drawn)
         front = partial(self._front, snapshot.poses)
-        yield self._clearance, clearances(lines, front, self._sizes, told, stamp)
+        yield self._clearance, (clearances(lines, front, self._sizes, told, stamp),)
         if self._named:
-            yield self._tags, self._called(snapshot, told, stamp)
+            yield self._tags, (self._called(snapshot, told, stamp),)
 
     def _close_up(self, summary: Summary) -> CloseUp | None:
         """Return how to see the worst pair where it is nearest, if its bodies are too small to be seen as they are."""
@@ -149,12 +151,14 @@ class Viewer:
         size = max(map(self._entities.size, moving)) + (worst["distance"]["upper"] or 0.0)
         return CloseUp(self._names[moving[0]], _CLOSE_UP * size)
 
-    def _placed(self, poses: FloatArray, stamp: Timestamp) -> Iterator[tuple[Channel, bytes]]:
-        """Yield where all that moves is, given every body's pose (n, 4, 4) in the world."""
+    def _placed(
+        self, poses: FloatArray, there: NDArray[np.bool_], stamp: Timestamp
+    ) -> Iterator[tuple[Channel, Pieces]]:
+        """Yield where all that moves is, given each body's pose (n, 4, 4) in the world, and whether it exists (n,)."""
         if self._frames:
-            yield self._tf, self._packer.pack(stamp, poses[self._frames])
+            yield self._tf, (self._packer.pack(stamp, poses[self._frames]),)
         if self._entities.crowd is not None:
-            yield self._boxes, self._entities.crowd.update(stamp, poses, self._there)
+            yield self._boxes, (self._entities.crowd.update(stamp, poses, there),)
 
     def _remarks(self) -> list[str]:
         remarks = []
@@ -190,7 +194,7 @@ class Viewer:
         tags = [(self._names[k], self._entities.peak(k, snapshot.poses[k]), self._entities.rgb(k)) for k in bodies]
         return names(tags, self._sizes, told, stamp)
 
-    def _touching(self, snapshot: Snapshot, told: CallOuts, stamp: Timestamp) -> bytes:
+    def _touching(self, snapshot: Snapshot, told: CallOuts, stamp: Timestamp) -> Pieces:
         touching = [near for near in snapshot.nearest if _stays_in_contact(near, snapshot.occasion)]
         possible = [near for near in snapshot.nearest if near.verdict is Verdict.POSSIBLE and near.distance == 0.0]
         bodies = sorted({body for near in touching for body in (near.pair.a, near.pair.b)})
@@ -200,8 +204,8 @@ class Viewer:
             roof = max(self._entities.roof(body, snapshot.poses[body]) for body in (near.pair.a, near.pair.b))
             word, rgb = ("possible", AMBER) if near.verdict is Verdict.POSSIBLE else ("contact", RED)
             name = self._pair_name(near.pair)
-            marks.append(contact(name, word, rgb, near.witness_a, roof, self._sizes, told, stamp))
-        return scene_update(stamp, [*red, *marks])
+            marks.append((contact(name, word, rgb, near.witness_a, roof, self._sizes, told, stamp),))
+        return update_in_pieces(stamp, [*red, *marks])
 
     def _frames_of(self, pair: PairKey) -> list[int]:
         """Return the moving bodies in the chains of a pair's two, in document order."""

@@ -15,6 +15,8 @@ from ....scheduler.scene import FloatArray, IntArray
 from ..clock import NANOSECONDS_PER_SECOND
 
 Bytes = NDArray[np.uint8]
+Pieces = tuple[bytes, ...]
+"""Bytes one after the other."""
 
 _LENGTH_DELIMITED = 2
 
@@ -36,7 +38,12 @@ def varint(value: int) -> bytes:
 
 def embedded(field: int, data: bytes) -> bytes:
     """Return a field that holds a message, a string, or packed numbers."""
-    return varint(field << 3 | _LENGTH_DELIMITED) + varint(len(data)) + data
+    return _head(field, len(data)) + data
+
+
+def _head(field: int, length: int) -> bytes:
+    """Return what comes before so many bytes of a field."""
+    return varint(field << 3 | _LENGTH_DELIMITED) + varint(length)
 
 
 def points(field: int, coordinates: FloatArray) -> bytes:
@@ -75,6 +82,13 @@ def timestamp(log_time: int) -> Timestamp:
 
 def scene_update(stamp: Timestamp, entities: Iterable[bytes]) -> bytes:
     """Return a SceneUpdate that deletes all that its topic showed, and shows these entities."""
+    return b"".join(update_in_pieces(stamp, ((entity,) for entity in entities)))
+
+
+def update_in_pieces(stamp: Timestamp, entities: Iterable[Pieces]) -> Pieces:
+    """Return the same in pieces, of entities in pieces, which stay the objects that they are."""
     everything = SceneEntityDeletion(timestamp=stamp, type=SceneEntityDeletion.ALL)
-    cleared: bytes = SceneUpdate(deletions=[everything]).SerializeToString()
-    return cleared + b"".join(embedded(SceneUpdate.ENTITIES_FIELD_NUMBER, entity) for entity in entities)
+    pieces = [SceneUpdate(deletions=[everything]).SerializeToString()]
+    for entity in entities:
+        pieces += (_head(SceneUpdate.ENTITIES_FIELD_NUMBER, sum(map(len, entity))), *entity)
+    return tuple(pieces)
