@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from math import inf
 
 from .bounds import shortened
 from .events import Bound
+from .inner_balls import InnerBalls
 from .pair import Measurement, Pair
 
 #: After a contact that was too shallow to sleep on, this many steps are taken before its depth is asked again.
@@ -30,13 +32,20 @@ class Hold:
         if self._steps_left > 0:
             self._steps_left -= 1
             return 0.0, Bound.TIME_RESOLUTION
-        sleep, bound = self._while_deep(self._pair.depth(touching), touching, horizon)
         enough = min(horizon, STEPS_ENOUGH * self._least)
+        balls = self._inner_balls
+        if balls is not None and (sleep := balls.sleep(touching.moments, horizon)) >= enough:
+            return shortened(touching.time, sleep), Bound.DIRECTIONAL
+        sleep, bound = self._while_deep(self._pair.depth(touching), touching, horizon)
         if sleep < enough and touching.inside is None and not self._pair.possible:
             sleep, bound = _longer((sleep, bound), self._while_overlapping(touching, horizon))
         if sleep <= self._least:
             self._steps_left = STEPS_BETWEEN
         return sleep, bound
+
+    @cached_property
+    def _inner_balls(self) -> InnerBalls | None:
+        return None if self._pair.possible else self._pair.inner_balls()
 
     def _while_overlapping(self, touching: Measurement, horizon: float) -> tuple[float, Bound]:
         """Sleep while two triangles that meet go on meeting, by the way each corner goes or by how deep they meet."""

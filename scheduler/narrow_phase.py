@@ -7,6 +7,7 @@ the error of measurement follows their size and not their place.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from time import perf_counter
 from typing import TypeVar
 
@@ -138,6 +139,21 @@ class NarrowPhase:
             else:
                 deepest = max(deepest, self._depth(one, other), self._depth(other, one))
         return deepest
+
+    def inner_radius(self, body: int, middle: Vector) -> float:
+        """Return the radius (m) of the ball about a point (m) of a body's frame that one of its shapes holds.
+
+        The greatest, as far as distances tell; errs low, 0 where no shape holds the point.
+        """
+        held = 0.0
+        origin = np.array(middle)
+        for part in self._bodies[body]:
+            part.place(np.eye(4), origin)
+            gap = self._timed(partial(distance_from_point, np.zeros(3), part))
+            interior = part.model.interior
+            inside = interior is not None and interior.contains(part.local(np.zeros((1, 3)))) is not None
+            held = max(held, part.shape.radius + (gap if inside else -gap))
+        return max(0.0, held - self.own_error(body))
 
     def error(self, a: int, b: int) -> float:
         """Return how far (m) a measured distance of the two bodies may be from the true one."""

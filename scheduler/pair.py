@@ -12,6 +12,7 @@ from .ball_slab import BallSlabs
 from .chain import Part, Twist
 from .directional import Slabs
 from .events import Distance, Feature, FeatureKind, Level, PairKey, Verdict
+from .inner_balls import InnerBalls
 from .lineage import common_ancestor, lineage
 from .narrow_phase import NarrowPhase
 from .nearby import NearTriangles
@@ -220,6 +221,12 @@ class Pair:
             beyond: m, the width that they are chosen to keep.
         """
         return BallSlabs(self.motion, self.error, measurement.moments, duration, beyond)
+
+    def inner_balls(self) -> InnerBalls | None:
+        """Return balls inside both bodies, of known path; None where the middle of a body's bounds is outside of it."""
+        chains = ((self._a, self.motion.a), (self._b, self.motion.b))
+        one, other = (self._narrow_phase.inner_radius(body, chain.ball.centre) for body, chain in chains)
+        return InnerBalls(self.motion, one + other - self.error) if one > 0.0 and other > 0.0 else None
 
     def overlaps(self, measurement: Measurement, duration: float) -> Overlaps | None:
         """Return the overlaps of touching bodies' triangles, of some where there are many; None of far too many.
