@@ -11,11 +11,12 @@ from .events import Bound
 from .pair import Measurement, Pair
 from .relative import Proof
 
-#: The directional bound is asked where the others allow fewer than this many steps of the floor.
+#: Directional bounds are asked where the others allow fewer than this many steps of the floor; that between the whole
+#: bodies otherwise too, as often as it pays.
 STEPS_TOO_FEW = 16.0
 #: A slab between the whole bodies looks this many times as far ahead as they do,
 WHOLE_LOOKAHEAD = 64.0
-#: and triangles are not looked at one by one where it lasts this many times as long.
+#: pays where it lasts this many times as long, and then triangles are not looked at one by one.
 WHOLE_SUFFICES = 2.0
 #: Those look ahead between so many times as far: farther, more triangles are within reach.
 LEAST_LOOKAHEAD, MOST_LOOKAHEAD = 2.0, 32.0
@@ -76,11 +77,15 @@ class Outlook:
         balls = shortened(here.time, balls)
         if balls > sleep:
             sleep, bound = balls, Bound.DIRECTIONAL
-        if sleep >= min(horizon, STEPS_TOO_FEW * floor):
+        enough = sleep >= min(horizon, STEPS_TOO_FEW * floor)
+        if sleep >= horizon or (enough and not self._pair.whole.due()):
             return sleep, bound
         cheap = max(sleep, floor)
         farther = shortened(here.time, self._whole(min(horizon, WHOLE_LOOKAHEAD * cheap)))
-        if farther < min(horizon, WHOLE_SUFFICES * cheap):
+        suffices = farther >= min(horizon, WHOLE_SUFFICES * cheap)
+        if enough:
+            self._pair.whole.tell(suffices)
+        elif not suffices:
             farther = max(farther, shortened(here.time, self._between_triangles(horizon, cheap)))
         return (farther, Bound.DIRECTIONAL) if farther > sleep else (sleep, bound)
 

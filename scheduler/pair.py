@@ -8,6 +8,7 @@ from math import inf
 
 import numpy as np
 
+from .attempts import Attempts
 from .ball_slab import BallSlabs
 from .chain import Part, Twist
 from .directional import Slabs
@@ -104,6 +105,7 @@ class Pair:
         self.key = key
         self.motion = motion
         self.lookahead = FIRST_LOOKAHEAD
+        self.whole = Attempts()
         self.possible = bool(motion.unknown)
         self.at_start = at_start
         self.margin = margin

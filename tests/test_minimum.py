@@ -71,6 +71,14 @@ def test_bodies_that_move_alike_are_measured_at_the_start_and_at_the_end_alone()
     assert len([event for event in events if isinstance(event, Wakeup)]) <= 4
 
 
+def test_a_body_that_goes_along_a_wall_is_measured_a_few_times():
+    """Motion along the wall costs nothing: not a step for every hundredth of the gap."""
+    wall, goes = body("wall", box(8.0, 0.2, 8.0), O, Fixed()), Constant((1.0, 0.0, 0.5), O)
+    events = events_of(wall, body("goes", box(0.4, 0.4, 0.4), (-2.0, 0.6, -1.0), goes))
+    assert is_tight(events, 0.3)
+    assert len([event for event in events if isinstance(event, Wakeup)]) <= 8
+
+
 @pytest.mark.parametrize("final", [0.2, 0.0001])
 def test_a_jump_at_the_very_end_to_a_nearer_place_counts(final):
     """From where bounding spheres suffice to a gap of `final` m, at the last instant."""
