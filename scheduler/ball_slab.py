@@ -124,10 +124,8 @@ class BallSlabs:
             if slab.horizon >= wanted or slab.sleep(beyond) < slab.horizon or self._are_many(since + slab.horizon):
                 return
             late = 4.0 * ulp(abs(start) + duration)
-            before = moments.time + max(0.0, slab.horizon - late)
-            knot = motion.knot_after(moments.time)
-            moved = motion.displacement(motion.at(before), knot - before)
-            kept = min(kept, slab.clearance(slab.horizon) - moved * (1.0 + RELATIVE_ROUNDING))
+            knot, moved = motion.crossing(moments, slab.horizon, late)
+            kept = min(kept, slab.clearance(slab.horizon) - moved)
             if knot - start > duration or kept <= beyond:
                 return
             moments, since = motion.at(knot), knot - start

@@ -33,15 +33,21 @@ class Hold:
             self._steps_left -= 1
             return 0.0, Bound.TIME_RESOLUTION
         enough = min(horizon, STEPS_ENOUGH * self._least)
-        balls = self._inner_balls
-        if balls is not None and (sleep := balls.sleep(touching.moments, horizon)) >= enough:
-            return shortened(touching.time, sleep), Bound.DIRECTIONAL
-        sleep, bound = self._while_deep(self._pair.depth(touching), touching, horizon)
-        if sleep < enough and touching.inside is None and not self._pair.possible:
-            sleep, bound = _longer((sleep, bound), self._while_overlapping(touching, horizon))
-        if sleep <= self._least:
+        best = self._while_balls_meet(touching, horizon)
+        if best[0] < enough:
+            best = _longer(best, self._while_deep(self._pair.depth(touching), touching, horizon))
+        if best[0] < enough and touching.inside is None and not self._pair.possible:
+            best = _longer(best, self._while_overlapping(touching, horizon))
+        if best[0] <= self._least:
             self._steps_left = STEPS_BETWEEN
-        return sleep, bound
+        return best
+
+    def _while_balls_meet(self, touching: Measurement, horizon: float) -> tuple[float, Bound]:
+        """Sleep while balls inside both bodies go on meeting."""
+        if self._inner_balls is None:
+            return 0.0, Bound.TIME_RESOLUTION
+        sleep = self._inner_balls.sleep(touching.moments, horizon, self._least)
+        return (sleep if sleep >= horizon else shortened(touching.time, sleep)), Bound.DIRECTIONAL
 
     @cached_property
     def _inner_balls(self) -> InnerBalls | None:

@@ -27,7 +27,7 @@ class InnerBalls:
         self._motion = motion
         self._radii = radii
 
-    def sleep(self, moments: Moments, horizon: float) -> float:
+    def sleep(self, moments: Moments, horizon: float, worth: float = 0.0) -> float:
         """Return how long (s, <= horizon) they go on meeting, 0 if they do not meet; errs low.
 
         Where a motion changes its law they are looked at again; up to there, displacement is what is certain.
@@ -35,9 +35,10 @@ class InnerBalls:
         Args:
             moments: of the pair now.
             horizon: s, before the next stop.
+            worth: s, how long there are to be between two such looks, on the average.
         """
         motion, start, since, late = self._motion, moments.time, 0.0, 0.0
-        for _ in range(MOST_LEGS):
+        for legs in range(MOST_LEGS):
             wanted = horizon - since + late
             leg = _Leg(motion, moments, wanted)
             lasts = leg.lasts(self._radii)
@@ -47,10 +48,8 @@ class InnerBalls:
             if leg.horizon >= wanted:
                 return horizon
             late = 4.0 * ulp(abs(start) + horizon)
-            before = moments.time + max(0.0, leg.horizon - late)
-            knot = motion.knot_after(moments.time)
-            moved = motion.displacement(motion.at(before), knot - before) * (1.0 + RELATIVE_ROUNDING)
-            if leg.apart(leg.horizon) + moved > self._radii:
+            knot, moved = motion.crossing(moments, leg.horizon, late)
+            if not leg.apart(leg.horizon) + moved <= self._radii or slept < legs * worth:
                 return slept
             if knot - start > horizon:
                 return horizon

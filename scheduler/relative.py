@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import NamedTuple
 
-from .bounds import longest_sleep, shortened, spendable, time_bound, two_sided_clearance
+from .bounds import RELATIVE_ROUNDING, longest_sleep, shortened, spendable, time_bound, two_sided_clearance
 from .chain import Chain, Moment, Part
 from .events import Bound
 from .motions import Interval, Limits
@@ -148,6 +148,18 @@ class RelativeMotion:
         """Return until when (s) no rate jumps, at most `duration`."""
         knot = self.knot_after(t)
         return duration if knot - t > duration else min(duration, shortened(t, knot - t))
+
+    def crossing(self, moments: Moments, horizon: float, late: float) -> tuple[float, float]:
+        """Return the next knot (s), and above how far (m) any point gets up to it from where a look ahead ends.
+
+        Args:
+            moments: the pair where the look ahead begins.
+            horizon: s, how far it goes, just short of the knot.
+            late: s, by how much less for certain.
+        """
+        before = moments.time + max(0.0, horizon - late)
+        knot = self.knot_after(moments.time)
+        return knot, self.displacement(self.at(before), knot - before) * (1.0 + RELATIVE_ROUNDING)
 
     def growth_speed(self, t: float) -> float:
         """Return how fast (m/s) balls grow at t, or just after."""

@@ -56,9 +56,7 @@ def closecall_inside(*arguments: object, cwd: Path) -> subprocess.CompletedProce
 
 def long_scene() -> str:
     """Return a scene that takes minutes: spheres that touch in a point and turn, woken every 1e-5 s."""
-    body = (
-        "  b{0}: {{pose: {{xyz: [{0}, 0, 0]}}, shapes: [{{sphere: 0.5}}], motion: {{type: constant, {1}}}}}\n"
-    )
+    body = "  b{0}: {{pose: {{xyz: [{0}, 0, 0]}}, shapes: [{{sphere: 0.5}}], motion: {{type: constant, {1}}}}}\n"
     text = SPHERES.split("bodies:")[0] + "settings: {time_resolution: 1e-5}\nbodies:\n"
     return text + "".join(body.format(i, "angular_velocity: [0, 0, 10]") for i in range(8))
 

@@ -133,6 +133,8 @@ def test_so_many_keys_are_followed_at_most():
     balls = InnerBalls(motion, 0.2)
     assert balls.sleep(motion.at(0.0), float(count)) == MOST_LEGS
     assert balls.sleep(motion.at(0.0), float(MOST_LEGS - 1)) == MOST_LEGS - 1
+    assert balls.sleep(motion.at(0.0), float(count), worth=1.0) >= MOST_LEGS - 1
+    assert balls.sleep(motion.at(0.0), float(count), worth=1.5) <= 3.0
 
 
 def test_a_body_whose_middle_is_hollow_has_none():

@@ -20,7 +20,9 @@ Values = dict[str, Any]
 VERDICTS = ("CLEAR", "BREACH", "CONTACT", "UNRESOLVED", "POSSIBLE")
 
 MARGIN_TIME = 1.0 / 16384.0
-"""Of the contact tolerance: how well (s) it is known when a margin is crossed."""
+"""Of the contact tolerance: how well (s) it is known when a margin is crossed,"""
+MARGIN_FLOATS = 8.0
+"""or within so many floats of time, as in Unix time."""
 
 
 def told(pair: Pair, span: Values | None) -> str:
@@ -95,7 +97,7 @@ def check_margin(truth: Truth, pair: Pair, span: Values | None, samples: Samples
         if short[worst] > truth.tolerance:
             yield f"{told(pair, span)}: {short[worst]:.3g} m inside the margin at {samples.times[worst]} s"
     elif span["verdict"] == "BREACH":
-        step = MARGIN_TIME * truth.contact_tolerance
+        step = max(MARGIN_TIME * truth.contact_tolerance, MARGIN_FLOATS * np.spacing(abs(span["end"])))
         inner = (min(span["start"] + step, span["end"]), max(span["end"] - step, span["start"]))
         times = np.array([span["start"], span["end"], *inner])
         over = truth.signed(*pair, times) - truth.creep(*pair, times) - margin - chord

@@ -99,7 +99,7 @@ class BodyEntities:
         self.boxed = sum(1 for index in self._single if not self._exact[index])
         members = [index for index, apart in enumerate(crowded) if apart]
         colours = [self._colours[index] for index in members]
-        self._skins: dict[int, tuple[bytes, bytes]] = {}  # those told last, each with what it depends on
+        self._skins: dict[int, tuple[bytes, bytes]] = {}  # those made last, each with what it depends on
         self.crowd = Crowd(members, drawings.outlines, colours, _OPACITY, poses) if members else None
 
     def all(self, stamp: Timestamp, there: NDArray[np.bool_]) -> bytes:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from math import floor, log2
+from math import frexp
 
 import numpy as np
 from foxglove_schemas_protobuf.SceneEntityDeletion_pb2 import SceneEntityDeletion
@@ -63,7 +63,7 @@ def indices(field: int, values: IntArray) -> bytes:
 
 def power_of_two(size: float) -> float:
     """Return the greatest power of two up to `size`, 0 for 0."""
-    return 2.0 ** floor(log2(size)) if size > 0.0 else 0.0
+    return 2.0 ** (frexp(size)[1] - 1) if size > 0.0 else 0.0
 
 
 def rounded(values: FloatArray, step: float) -> FloatArray:
