@@ -5,14 +5,16 @@ from __future__ import annotations
 import gzip
 import pickle
 import threading
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from io import BytesIO
 from itertools import islice
-from typing import IO, Any, NamedTuple
+from typing import IO, Any, Generic, NamedTuple, TypeVar
 
 from .narrow_phase import NarrowPhase
 from .pairing import Pairing
 from .scene import Scene, Settings
+
+MadeT = TypeVar("MadeT")
 
 
 class Work(NamedTuple):
@@ -28,25 +30,29 @@ def packed(work: Work) -> bytes:
     return pickle.dumps(work, pickle.HIGHEST_PROTOCOL)
 
 
-class _Bench(threading.local):
-    """What a thread works at: the models of a scene serve one measurement at a time, and take long to build."""
+class MadeLast(threading.local, Generic[MadeT]):
+    """What each thread made last, and of what: what takes long to make, and serves one thread at a time."""
 
-    packed = b""
-    work: Work
-    pairing: Pairing
+    _kept: tuple[Any, MadeT] | None = None
+
+    def get(self, of: Any, make: Callable[[], MadeT]) -> MadeT:
+        """Return what the thread made last, if it was of the same; else make it."""
+        if self._kept is None or self._kept[0] != of:
+            self._kept = of, make()
+        return self._kept[1]
 
 
-_bench = _Bench()
+_bench: MadeLast[tuple[Work, Pairing]] = MadeLast()
 
 
 def unpacked(packed_work: bytes) -> tuple[Work, Pairing]:
     """Return the work, and what makes its pairs, built once by each thread."""
-    if _bench.packed != packed_work:
+
+    def built() -> tuple[Work, Pairing]:
         work: Work = pickle.loads(packed_work)
-        _bench.work = work
-        _bench.pairing = Pairing(work.scene, NarrowPhase(work.scene.bodies), work.settings.margin)
-        _bench.packed = packed_work
-    return _bench.work, _bench.pairing
+        return work, Pairing(work.scene, NarrowPhase(work.scene.bodies), work.settings.margin)
+
+    return _bench.get(packed_work, built)
 
 
 def packed_stream(told: Iterable[Any], together: int) -> bytes:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Iterator
 from typing import NamedTuple
 
 from ....scheduler.instants import Instant
-from ....scheduler.packing import packed_stream, unpacked
+from ....scheduler.packing import MadeLast, packed_stream, unpacked
 from ....scheduler.streams import observer_of
 from ..clock import nanoseconds
 from .viewer import Viewer, ViewerOptions
@@ -15,6 +14,8 @@ from .wire import Pieces
 
 #: Pictures that are packed, and unpacked, together. What several of them show alike is packed once.
 _TOGETHER = 16
+
+_studio: MadeLast[Viewer] = MadeLast()
 
 
 class Picture(NamedTuple):
@@ -36,7 +37,7 @@ def pictures(packed_work: bytes, options: ViewerOptions, epoch: int, instants: l
     work, pairing = unpacked(packed_work)
     before = pairing.narrow_phase.seconds
     observer = observer_of(pairing, None if work.crowded else tuple(pairing.all()), options.pairs)
-    viewer = _studio.viewer(packed_work, options)
+    viewer = _studio.get((packed_work, options), lambda: Viewer(work.scene, options))
 
     def taken() -> Iterator[Picture]:
         for instant in instants:
@@ -45,18 +46,3 @@ def pictures(packed_work: bytes, options: ViewerOptions, epoch: int, instants: l
 
     packed = packed_stream(taken(), _TOGETHER)
     return Pictures(packed, pairing.narrow_phase.seconds - before)
-
-
-class _Studio(threading.local):
-    """What a thread draws with."""
-
-    _made: tuple[bytes, ViewerOptions, Viewer] | None = None
-
-    def viewer(self, packed_work: bytes, options: ViewerOptions) -> Viewer:
-        """Return what draws the scene, made once by each thread."""
-        if self._made is None or self._made[:2] != (packed_work, options):
-            self._made = packed_work, options, Viewer(unpacked(packed_work)[0].scene, options)
-        return self._made[2]
-
-
-_studio = _Studio()
