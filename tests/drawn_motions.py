@@ -23,6 +23,7 @@ from closecall.scheduler.motions import (
     Swing,
     Translation,
 )
+from closecall.scheduler.relative import RelativeMotion
 from closecall.scheduler.vector import Vector
 from oracle.rigid import rotations
 
@@ -235,6 +236,29 @@ def random_rest(rng, size=1.0) -> np.ndarray:
     rest[:3, :3] = rotations(np.array(random_unit(rng)), np.array([rng.uniform(-3, 3)]))[0]
     rest[:3, 3] = rng.normal(size=3) * size
     return rest
+
+
+class RandomCourse:
+    """Two bodies on random chains of motions, and a random time of theirs.
+
+    Attributes:
+        t, duration: s, when it begins, and how long it is.
+    """
+
+    def __init__(self, rng) -> None:
+        size = float(10.0 ** rng.uniform(-2, 0.5))
+        one, other = (random_chain(rng, rng.normal(size=(5, 3)) * size, 0.0, CONTINUOUS) for _ in range(2))
+        self.motion = RelativeMotion(one, other)
+        self.t, self.duration = float(rng.uniform(-1, 1)), float(10.0 ** rng.uniform(-1, 1))
+        self.moments = self.motion.at(self.t)
+
+    def apart(self, moments) -> float:
+        """Return how far (m) the middles of the bodies are apart."""
+        return float(np.linalg.norm(np.subtract(moments.b.centre, moments.a.centre)))
+
+    def samples(self, duration, count) -> list[float]:
+        """Return how far (m) they are apart at so many times from t on."""
+        return [self.apart(self.motion.at(t)) for t in (self.t + np.linspace(0.0, duration, count)).tolist()]
 
 
 def random_chain(rng, points, radius, kinds=CONTINUOUS) -> Chain:

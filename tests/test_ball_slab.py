@@ -4,7 +4,7 @@ from math import hypot, inf
 
 import numpy as np
 import pytest
-from drawn_motions import CONTINUOUS, random_chain, random_unit, vector
+from drawn_motions import CONTINUOUS, RandomCourse, random_chain, random_unit, vector
 from small_scenes import box, events_of
 
 from closecall.scheduler.ball_slab import MOST_SLABS, BallSlab, BallSlabs
@@ -83,27 +83,18 @@ def test_balls_at_extreme_speeds_have_a_slab(speed):
     assert across.clearance(10.0) == pytest.approx(2.0)
 
 
-class Path:
+class Path(RandomCourse):
     """Two balls on random chains of motions, so large that they are apart at first, and the slabs between them."""
 
     def __init__(self, rng) -> None:
-        size = float(10.0 ** rng.uniform(-2, 0.5))
-        one, other = (random_chain(rng, rng.normal(size=(5, 3)) * size, 0.0, CONTINUOUS) for _ in range(2))
-        self.motion = RelativeMotion(one, other)
-        self.t, self.duration = float(rng.uniform(-1, 1)), float(10.0 ** rng.uniform(-1, 1))
-        moments = self.motion.at(self.t)
-        self.grown = self.between(moments) * (1.0 - float(rng.uniform(0.05, 1.0))) - self.motion.radii
+        super().__init__(rng)
+        self.grown = self.apart(self.moments) * (1.0 - float(rng.uniform(0.05, 1.0))) - self.motion.radii
         self.beyond = float(rng.choice([0.0, 0.02])) * self.motion.radii
-        self.slabs = BallSlabs(self.motion, self.grown, moments, self.duration, self.beyond)
-
-    def between(self, moments) -> float:
-        return float(np.linalg.norm(np.subtract(moments.b.centre, moments.a.centre)))
+        self.slabs = BallSlabs(self.motion, self.grown, self.moments, self.duration, self.beyond)
 
     def nearest(self, duration) -> float:
         """Return the least gap (m) at samples of the time from t on."""
-        times = self.t + np.linspace(0.0, duration, 2 * SAMPLES)
-        gaps = [self.between(self.motion.at(t)) for t in times.tolist()]
-        return min(gaps) - self.motion.radii - self.grown
+        return min(self.samples(duration, 2 * SAMPLES)) - self.motion.radii - self.grown
 
 
 def test_balls_stay_apart_while_slabs_follow_each_other():

@@ -6,7 +6,7 @@ from math import pi, sqrt
 
 import numpy as np
 import pytest
-from drawn_motions import CONTINUOUS, random_chain
+from drawn_motions import RandomCourse
 from scipy.spatial.transform import Rotation
 from small_scenes import box, events_of, round_shape
 
@@ -71,24 +71,13 @@ def test_the_radius_about_the_middle_is_that_of_closed_forms(case):
     assert found == pytest.approx(radius, abs=1e-12)
 
 
-class Path:
-    """Two balls on random chains of motions, and a radius beyond which their middles are at first."""
+class Path(RandomCourse):
+    """Two balls on random chains of motions, most of which meet at first, and how long they are said to."""
 
     def __init__(self, rng) -> None:
-        size = float(10.0 ** rng.uniform(-2, 0.5))
-        one, other = (random_chain(rng, rng.normal(size=(5, 3)) * size, 0.0, CONTINUOUS) for _ in range(2))
-        self.motion = RelativeMotion(one, other)
-        self.t, self.duration = float(rng.uniform(-1, 1)), float(10.0 ** rng.uniform(-1, 1))
-        self.moments = self.motion.at(self.t)
+        super().__init__(rng)
         self.radii = self.apart(self.moments) * float(rng.uniform(0.9, 3.0))
         self.sleep = InnerBalls(self.motion, self.radii).sleep(self.moments, self.duration)
-
-    def apart(self, moments) -> float:
-        return float(np.linalg.norm(np.subtract(moments.b.centre, moments.a.centre)))
-
-    def farthest(self, duration) -> float:
-        """Return how far (m) the middles get from each other at samples of the time from t on."""
-        return max(self.apart(self.motion.at(t)) for t in (self.t + np.linspace(0.0, duration, SAMPLES)).tolist())
 
 
 def test_balls_on_random_motions_meet_as_long_as_is_said():
@@ -100,7 +89,7 @@ def test_balls_on_random_motions_meet_as_long_as_is_said():
         slept += path.sleep > 0.0
         whole += path.sleep == path.duration
         followed += path.t + path.sleep > path.motion.knot_after(path.t)
-        assert path.sleep == 0.0 or path.farthest(path.sleep) <= path.radii + ROUNDING
+        assert path.sleep == 0.0 or max(path.samples(path.sleep, SAMPLES)) <= path.radii + ROUNDING
     assert slept > PATHS // 2
     assert 0 < whole < slept
     assert followed > PATHS // 20
