@@ -107,8 +107,9 @@ def _run_here(work: Work, options: RunOptions) -> Events:
     pairs = () if work.crowded else tuple(pairing.all())
     crowd = Crowd(pairing, work.settings, BroadPhase(work.scene, Sweeps(pairing))) if work.crowded else None
     events = run(pairs, work.settings, crowd)
-    if options.log == "full":
-        observer = observer_of(pairing, None if work.crowded else pairs, options.viz_pairs)
+    viewer = _viewer_options(options)
+    if viewer is not None:
+        observer = observer_of(pairing, None if work.crowded else pairs, viewer.pairs)
         events = observed(events, observer, _times(work.scene, options), work.settings.time_resolution)
     return events, lambda: pairing.narrow_phase.seconds
 

@@ -1,7 +1,7 @@
 """How long balls inside two solids certainly go on meeting, so that a deep contact sleeps however its bodies turn.
 
-A ball about the middle of a body that its solid holds looks the same from all sides: while two such balls meet, so do
-the solids, and only the motion of their middles counts. It is the mirror image of the slab between bounding balls.
+A ball about the middle of a body that one of its shapes holds looks the same from all sides: while two such balls meet,
+so do the bodies, and only the motion of their middles counts. It mirrors the slab between bounding balls.
 """
 
 from __future__ import annotations

@@ -116,10 +116,9 @@ class LeastDistance:
         It ends because each sleep is worth at least the tolerance, and because measurements are limited.
         """
         while True:
-            target = self.target
-            upper = self.upper
-            measurement = self._measured(time, SPHERES_SUFFICE * target)
-            if measurement.above < upper:
+            before = self.upper
+            measurement = self._measured(time, SPHERES_SUFFICE * self.target)
+            if measurement.above < before:
                 yield from self._descend(measurement, time, end)
             stop = min(end, self._pair.motion.stop_after(time))  # joined stretches may hold jumps
             ahead = stop - time

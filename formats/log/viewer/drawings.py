@@ -19,7 +19,7 @@ from .surfaces import Surface, ball_centre, outermost, outline, surface, triangl
 from .transforms import quaternions
 from .wire import embedded, indices, points, power_of_two, rounded
 
-#: Of how far points are moved out: about what they are rounded to.
+# Of how far points are moved out: about what they are rounded to.
 _INFLATION_STEP = 1.0 / 64.0
 
 
@@ -55,8 +55,8 @@ class Drawings:
             frame_from_body: where it is.
             colour: with opacity.
             origin: (3,) m in the body's frame, whose depth decides when it is painted.
-            inflation: m, how far every point is moved out; if they are, rounded by so little of it that it
-                is not seen, since what ends in zeros takes a third of the room.
+            inflation: m, how far every point is moved out; what is moved is rounded too, by less than is seen, since
+                what ends in zeros takes a third of the room.
         """
         return b"".join(
             self._about(origin, shape, frame_from_body, colour, inflation) for shape in self._bodies[body].shapes
