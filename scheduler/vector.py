@@ -7,6 +7,10 @@ from math import hypot
 Vector = tuple[float, float, float]
 
 ZERO: Vector = (0.0, 0.0, 0.0)
+#: Shorter vectors are made longer before they are divided by their length, which has lost digits.
+SHORT = 1e-290
+#: How much longer: a power of 2, so that nothing is rounded.
+LONGER = 2.0**600
 
 
 def dot(a: Vector, b: Vector) -> float:
@@ -42,6 +46,8 @@ def scale(factor: float, a: Vector) -> Vector:
 def unit(a: Vector) -> Vector:
     """Return a / |a|; the x axis for the zero vector, whose direction never matters."""
     length = norm(a)
+    if 0.0 < length < SHORT:
+        return unit(scale(LONGER, a))
     return (a[0] / length, a[1] / length, a[2] / length) if length > 0.0 else (1.0, 0.0, 0.0)
 
 

@@ -26,7 +26,7 @@ def keyframes(keys: str, options: str = "") -> str:
         (
             "{type: harmonic, direction: [0, 0, 1e-320], amplitude: 1, period: 1}",
             "6:41: bodies.a.motion.direction: ",
-            "the zero vector",
+            "got a vector of length 1e-320, too short for its digits: multiply it by 1e300",
         ),
         ("{type: swing, axis: [0, 0, 0], amplitude: 1, period: 1}", "6:33: bodies.a.motion.axis: ", "the zero vector"),
         (f"{{type: profile, kind: turn, axis: [0, 0, 0], {PROFILE}", "6:47: bodies.a.motion.axis: ", "the zero vector"),

@@ -98,12 +98,6 @@ def test_radians_and_inches_are_taken_as_they_are(tmp_path: Path) -> None:
     assert read == Screw(X, ORIGIN, 2.5, 0.254)
 
 
-def test_numbers_whose_inverse_would_overflow_are_read_as_zero(tmp_path: Path) -> None:
-    read = motion(tmp_path, "{type: constant, velocity: [1e-20, 0, 0], angular_velocity: [0, 0, 1e-310]}")
-    assert read == Constant((1e-23, 0.0, 0.0), ORIGIN)
-    assert np.isfinite(read.pose(1.0)).all()
-
-
 def test_what_is_left_of_an_orbits_start_along_its_axis_is_projected_out(tmp_path: Path) -> None:
     orbit = motion(tmp_path, "{type: orbit, axis: [0, 0, 1], start: [3, 4, 4e-6], radius: 1000, rate: 0}")
     assert isinstance(orbit, Orbit)

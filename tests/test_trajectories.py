@@ -183,9 +183,10 @@ def test_wide_ranges_of_times_are_shifted_without_losing_order() -> None:
     )
 
 
-def test_numbers_that_are_nearly_nothing_are_nothing() -> None:
+def test_numbers_that_are_nearly_nothing_are_the_nearest_floats() -> None:
     found = csv(f"t,x,y,z,{TURNED}\n-0,1e-61,-1e-400,-0.0,1,0,1e-99,0\n")
-    assert found.translations[0].tolist() == [0, 0, 0]
+    assert found.translations[0].tolist() == [1e-61, 0, 0]
+    assert found.quaternions[0].tolist() == [1, 0, 1e-99, 0]
     assert not np.signbit(found.translations[0]).any()
     assert found.times[0] == 0
     assert tum(tum_at("0e999999999999999999999", "1")).times.tolist() == [0, 1]

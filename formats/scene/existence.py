@@ -10,6 +10,7 @@ from ...scheduler.scene import ALWAYS
 from .document import Findings
 from .errors import quoted
 from .grammar.scene import BodyPart, TimeRange
+from .limits import SMALLEST_SIZE
 
 
 def existence(name: str, part: BodyPart, time: TimeRange, findings: Findings) -> Interval:
@@ -18,8 +19,9 @@ def existence(name: str, part: BodyPart, time: TimeRange, findings: Findings) ->
         return ALWAYS
     begin, end = part.exists
     where = ("bodies", name, "exists")
-    if end <= begin:
-        problem = f"expected to exist until after it begins ({quoted(begin)} s), got {quoted(end)} s"
+    if end - begin < SMALLEST_SIZE:
+        least = f" by at least {SMALLEST_SIZE:g} s" if end > begin else ""
+        problem = f"expected to exist until after it begins ({quoted(begin)} s){least}, got {quoted(end)} s"
         findings.fault((*where, 1), problem)
     elif end <= time.start or begin >= time.end:
         problem = f"the body never exists within the scene's time, {quoted(time.start)} to {quoted(time.end)} s"

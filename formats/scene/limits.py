@@ -12,14 +12,17 @@ MOST_PATTERN_COMPARISONS = 20_000_000
 LARGEST_NUMBER = 1e15
 """In the file's units. Beyond it squares and products would near the end of float64."""
 
-SMALLEST_NUMBER = 1e-60
-"""In the file's units. What is nearer to 0 is read as 0, which moves nothing by more than 1e-45 in any time allowed.
+SMALLEST_SIZE = 1e-15
+"""In the file's units. A size or a span of time below it is refused: its square or inverse would be lost."""
 
-Directions are divided by their lengths, and the inverse of a subnormal length is infinite.
+SMALLEST_COORDINATE = 1e-60
+"""In the file's units. What is nearer to 0 in a mesh file is read as 0: at no scale does that move 1e-45 m.
+
+The squares of smaller lengths would be lost. In the scene itself no number is read as 0 that is not.
 """
 
-SMALLEST_SIZE = 1e-15
-"""In the file's units. A size or time below it is refused: its square or inverse would be lost."""
+SHORTEST_DIRECTION = 1e-290
+"""A direction whose components are all smaller is refused: floats so near to 0 have no digits left to say where to."""
 
 QUATERNION_TOLERANCE = 1e-3
 """How far the length of a quaternion may be from 1. Within it the quaternion is normalised, else refused."""

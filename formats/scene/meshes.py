@@ -13,7 +13,7 @@ from ...scheduler.scene import Mesh
 from .errors import counted, printable, quoted
 from .folder import Folder, FolderError
 from .grammar.scene import MeshReference
-from .limits import LARGEST_NUMBER, SMALLEST_NUMBER
+from .limits import LARGEST_NUMBER, SMALLEST_COORDINATE
 from .obj import read_obj
 from .off import read_off
 from .ply import read_ply
@@ -130,7 +130,7 @@ def _content(path: Path) -> _Content | MeshError:
         return MeshError(f"the file cannot be read: {error.strerror or error}")
     except MeshError as error:
         return error
-    vertices = np.where(np.abs(surface.vertices) < SMALLEST_NUMBER, 0.0, surface.vertices)
+    vertices = np.where(np.abs(surface.vertices) < SMALLEST_COORDINATE, 0.0, surface.vertices)
     vertices, triangles = welded(vertices, surface.triangles)
     joined = replace(surface, vertices=vertices, triangles=triangles)
     return _Content(joined, topology(vertices, triangles), hashlib.sha256(data).hexdigest())

@@ -17,7 +17,7 @@ from .document import Findings
 from .errors import Where, printable, quoted
 from .folder import Folder, FolderError
 from .grammar.motions import FileMotion, Key, KeyframesMotion, PathMotion
-from .limits import AMBIGUOUS_TURN, WIDE_TURN
+from .limits import AMBIGUOUS_TURN, SMALLEST_SIZE, WIDE_TURN
 from .loaded import InputFile, KeyNames
 from .names import name_problem, normal
 from .poses import placement, successive_turns
@@ -121,9 +121,13 @@ class PathReader:
         self, part: PathMotion, times: FloatArray, needed: Interval, ends: tuple[_End, _End], where: Where
     ) -> None:
         """Record a fault where the poses end before they may."""
-        if not np.all(np.diff(times) > 0.0):
+        gaps = np.diff(times)
+        if not np.all(gaps > 0.0):
             problem = f"times so near to each other are equal once {quoted(part.t0)} s is added"
             self._findings.fault((*where, "t0"), problem)
+        elif not np.all(gaps >= SMALLEST_SIZE):
+            problem = f"two poses are {quoted(float(gaps.min()))} s apart, expected at least {SMALLEST_SIZE:g} s"
+            self._findings.fault(where, problem)
         first, last = float(times[0]), float(times[-1])
         begin, end = needed
         remedy = "or say before: hold or loop"

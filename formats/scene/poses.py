@@ -13,7 +13,7 @@ from .arrays import read_only
 from .document import Findings
 from .errors import Where, quoted
 from .grammar.poses import Pose
-from .limits import MATRIX_TOLERANCE, QUATERNION_TOLERANCE
+from .limits import MATRIX_TOLERANCE, QUATERNION_TOLERANCE, SHORTEST_DIRECTION
 from .units import Scale
 
 Vector = tuple[float, float, float]
@@ -54,10 +54,11 @@ def placement(pose: Pose, where: Where, scale: Scale, findings: Findings) -> Pla
 
 
 def unit_vector(vector: Vector, where: Where, findings: Findings) -> Vector:
-    """Return `vector` over its length; the zero vector is recorded as a fault, and x stands in."""
+    """Return `vector` over its length; one too short to have a direction is recorded as a fault, and x stands in."""
     length = math.hypot(*vector)
-    if length == 0.0:
-        findings.fault(where, "expected a direction, got the zero vector")
+    if length < SHORTEST_DIRECTION:
+        got = f"a vector of length {quoted(length)}, too short for its digits: multiply it by 1e300"
+        findings.fault(where, f"expected a direction, got {got if length else 'the zero vector'}")
         return (1.0, 0.0, 0.0)
     x, y, z = (component / length for component in vector)
     return x, y, z

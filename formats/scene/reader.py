@@ -13,7 +13,7 @@ from .errors import Where, in_order, quoted
 from .existence import existence, needed_times
 from .folder import Folder
 from .grammar.scene import BodyPart, SceneFile
-from .limits import LARGEST_DOCUMENT
+from .limits import LARGEST_DOCUMENT, SMALLEST_SIZE
 from .loaded import KeyNames, LoadedScene
 from .meshes import MeshFolder
 from .motions import MotionReader
@@ -82,8 +82,9 @@ class _Reading:
 
     def _read_settings(self) -> Settings:
         start, end = self._file.time.start, self._file.time.end
-        if end <= start:
-            problem = f"expected an end after the start ({quoted(start)} s), got {quoted(end)} s"
+        if end - start < SMALLEST_SIZE:
+            least = f" by at least {SMALLEST_SIZE:g} s" if end > start else ""
+            problem = f"expected an end after the start ({quoted(start)} s){least}, got {quoted(end)} s"
             self._findings.fault(("time", "end"), problem)
         given = {name: value for name, value in self._file.settings if value is not None}
         if "margin" in given:

@@ -25,8 +25,8 @@ LARGEST_TRAJECTORY = 4 * LARGEST_DOCUMENT
 UNTOLD_UNIT_ERROR = 1e-6
 """How far the length of a quaternion may be from 1 without a warning. Normalising then turns it by nothing."""
 
-_EXACT = Context(prec=300)
-"""Digits enough for sums of times: at most 15 before the point, 60 + LONGEST_TIME behind it."""
+_EXACT = Context(prec=450)
+"""Digits enough for sums of times: at most 16 before the point, 324 (the least float's) + LONGEST_TIME behind it."""
 
 _TUM = Layout(
     width=8,

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...scheduler.scene import FloatArray, IntArray
 from .errors import quoted
-from .limits import LARGEST_NUMBER, SMALLEST_NUMBER
+from .limits import LARGEST_NUMBER
 
 LONGEST_TIME = 100
 """Characters. A longer time is refused: exact differences would take space and time without end."""
@@ -85,7 +85,7 @@ class Table:
     """Rows of numbers.
 
     Attributes:
-        numbers: (n, k) up to LARGEST_NUMBER, what is nearer to 0 than SMALLEST_NUMBER is 0; times are in s.
+        numbers: (n, k) up to LARGEST_NUMBER; times are in s.
         exact_times: n, s, the decimals in the first column of `numbers`, which are the nearest float64.
         lines: (n,) where each row begins, from 1.
     """
@@ -134,7 +134,7 @@ def read_table(rows: Iterable[Row], layout: Layout, faults: Faults) -> Table:
         found = _numbers(cells, layout)
         if found is None:
             found = _numbers_one_by_one(cells, block_lines, layout, faults)
-        found[np.abs(found) < SMALLEST_NUMBER] = 0.0
+        found += 0.0  # -0.0 is 0.0
         times = zip(cells[::count], found[:, 0].tolist(), strict=True)
         exact_times += [Decimal(text.strip()) if time else _ZERO for text, time in times]
         numbers.append(found)

@@ -47,7 +47,7 @@ class Profile:
     def __post_init__(self) -> None:
         """Place the knots, at least a float apart where the speed changes between them."""
         travel, begin = abs(self.end - self.begin), self.start_time
-        ramp, triangle = self.max_velocity / self.max_acceleration, sqrt(travel / self.max_acceleration)
+        ramp, triangle = self.max_velocity / self.max_acceleration, sqrt(travel) / sqrt(self.max_acceleration)
         cruise = travel / self.max_velocity - ramp if ramp < triangle else 0.0
         ramp = min(ramp, triangle)
         risen = max(begin + ramp, nextafter(begin, inf))

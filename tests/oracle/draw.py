@@ -61,6 +61,11 @@ class Draw:
         vector = self.rng.standard_normal(3)
         return vector / np.linalg.norm(vector)
 
+    def axis(self, direction: FloatArray | None = None) -> Any:
+        """Write a direction, random if none is given, in any length: of some the squares are 0 in floats."""
+        vector = self.direction() if direction is None else direction
+        return (vector * self.between(0.5, 3.0) * self.pick(1.0, 1.0, 1.0, 1e12, 1e-61, 1e-170)).tolist()
+
     def metres(self, value: FloatArray | float) -> Any:
         """Write lengths given in m in the file's unit."""
         return (np.asarray(value) / METRES[self.length]).tolist()
@@ -81,7 +86,7 @@ class Draw:
             return {way: self.radians(rotation.as_euler("xyz"))}
         vector = rotation.as_rotvec()
         angle = float(np.linalg.norm(vector))
-        return {way: {"axis": (vector / angle).tolist(), "angle": self.radians(angle)}}
+        return {way: {"axis": self.axis(vector / angle), "angle": self.radians(angle)}}
 
     def pose(self, place: FloatArray, rotation: Rotation | None) -> dict[str, Any]:
         """Write a pose: a place (3,) m and perhaps a rotation."""

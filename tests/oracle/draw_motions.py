@@ -52,7 +52,7 @@ def ballistic(draw: Draw, reach: float) -> Spec:
 
 
 def screw(draw: Draw, reach: float) -> Spec:
-    out: Spec = {"axis": draw.direction().tolist(), "rate": draw.radians(draw.between(-5.0, 5.0))}
+    out: Spec = {"axis": draw.axis(), "rate": draw.radians(draw.between(-5.0, 5.0))}
     if draw.chance(0.7):
         out["pitch"] = draw.metres(draw.between(-1.0, 1.0) * reach)
     return out | {"point": point(draw)}
@@ -62,8 +62,8 @@ def orbit(draw: Draw, reach: float) -> Spec:
     axis = draw.direction()
     start = np.cross(axis, draw.direction())
     out: Spec = {
-        "axis": (axis * draw.between(0.5, 3.0)).tolist(),
-        "start": (start / np.linalg.norm(start) * draw.between(0.5, 3.0)).tolist(),
+        "axis": draw.axis(axis),
+        "start": draw.axis(start / np.linalg.norm(start)),
         "radius": draw.metres(draw.between(0.2, 1.2) * reach),
         "rate": draw.radians(draw.between(-5.0, 5.0)),
     }
@@ -74,7 +74,7 @@ def orbit(draw: Draw, reach: float) -> Spec:
 
 def harmonic(draw: Draw, reach: float) -> Spec:
     return {
-        "direction": (draw.direction() * draw.between(0.5, 3.0)).tolist(),
+        "direction": draw.axis(),
         "amplitude": draw.metres(draw.between(0.2, 1.2) * reach),
         "period": draw.between(0.15, 3.0),
         "phase": draw.radians(draw.between(-3.0, 3.0)),
@@ -83,7 +83,7 @@ def harmonic(draw: Draw, reach: float) -> Spec:
 
 def swing(draw: Draw, _reach: float) -> Spec:
     return {
-        "axis": draw.direction().tolist(),
+        "axis": draw.axis(),
         "point": point(draw),
         "amplitude": draw.radians(draw.between(0.3, 3.0)),
         "period": draw.between(0.2, 3.0),
@@ -92,7 +92,14 @@ def swing(draw: Draw, _reach: float) -> Spec:
 
 
 def polynomial(draw: Draw, reach: float) -> Spec:
-    """Write one of degree 1 to 6 about the middle of the time, whose terms reach about as far at both ends."""
+    """Write one of degree 1 to 6 about the middle of the time, whose terms reach about as far at both ends.
+
+    Or a single power of a time so long that its coefficient is tiny.
+    """
+    if draw.chance(0.2):
+        long, degree = 10.0 ** draw.between(3.0, 6.0), int(draw.rng.integers(7, 21))
+        term = draw.direction() * reach * draw.between(0.3, 1.5) / long**degree
+        return {"coefficients": [[0.0] * 3] * degree + [draw.metres(term)], "t0": draw.start - long}
     degree, half = int(draw.rng.integers(1, 7)), 0.5 * (draw.end - draw.start)
     terms = [draw.direction() * reach * draw.between(0.0, 1.5) / half**k for k in range(degree + 1)]
     out: Spec = {"coefficients": [draw.metres(term) for term in terms], "t0": draw.start + half}
@@ -101,7 +108,7 @@ def polynomial(draw: Draw, reach: float) -> Spec:
 
 def profile(draw: Draw, reach: float) -> Spec:
     """Write a slide or a turn that begins within the time, or before it."""
-    out: Spec = {"kind": draw.pick("slide", "turn"), "axis": draw.direction().tolist()}
+    out: Spec = {"kind": draw.pick("slide", "turn"), "axis": draw.axis()}
     if out["kind"] == "turn":
         unit, write = draw.between(0.5, 3.0), draw.radians
         out["point"] = point(draw)

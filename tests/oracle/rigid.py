@@ -24,7 +24,8 @@ def numbers(value: ArrayLike) -> FloatArray:
 def unit(vector: ArrayLike) -> FloatArray:
     """Return a (3,) vector scaled to length 1."""
     v = numbers(vector)
-    return v / np.linalg.norm(v)
+    v = v / np.abs(v).max()  # squares of tiny components are 0
+    return np.asarray(v / np.linalg.norm(v))
 
 
 def rotations(axis: FloatArray, angles: FloatArray) -> FloatArray:

@@ -6,16 +6,16 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
-from ..limits import LARGEST_NUMBER, SMALLEST_NUMBER, SMALLEST_SIZE
+from ..limits import LARGEST_NUMBER, SMALLEST_SIZE
 
 
-def _without_residue(value: float) -> float:
-    return value if abs(value) >= SMALLEST_NUMBER else 0.0
+def _without_sign_of_zero(value: float) -> float:
+    return value + 0.0
 
 
-Number = Annotated[float, Field(ge=-LARGEST_NUMBER, le=LARGEST_NUMBER), AfterValidator(_without_residue)]
+Number = Annotated[float, Field(ge=-LARGEST_NUMBER, le=LARGEST_NUMBER), AfterValidator(_without_sign_of_zero)]
 Size = Annotated[float, Field(ge=SMALLEST_SIZE, le=LARGEST_NUMBER)]
-Margin = Annotated[float, Field(ge=0.0, le=LARGEST_NUMBER), AfterValidator(_without_residue)]
+Margin = Annotated[float, Field(ge=0.0, le=LARGEST_NUMBER), AfterValidator(_without_sign_of_zero)]
 Share = Annotated[float, Field(ge=1e-6, lt=1.0)]
 Vector = tuple[Number, Number, Number]
 Quaternion = tuple[Number, Number, Number, Number]
