@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,7 +10,6 @@ from pathlib import Path
 
 import click
 from rich.table import Table
-from rich.text import Text
 
 from ..formats.log.errors import LogError
 from ..formats.log.ranking import VERDICTS
@@ -18,6 +18,7 @@ from .faults import WorkerError, faults_reported, report
 from .job import Result, run_job
 from .options import RunOptions
 from .show import STYLES, console_for, print_json, print_warnings
+from .terminal import cell
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,11 +52,15 @@ def run_many(scenes: Sequence[Path], folder: Path, options: RunOptions) -> int:
 
 def log_names(scenes: Sequence[Path]) -> list[str]:
     """Return a log's name for each scene: the file's own, or its folder's where the file is just called scene."""
-    names = [(scene.resolve().parent.name if scene.stem == "scene" else scene.stem) + ".mcap" for scene in scenes]
+    names = [f"{_folder_name(scene) if scene.stem == 'scene' else scene.stem}.mcap" for scene in scenes]
     twice = sorted(name for name, count in Counter(names).items() if count > 1)
     if twice:
         raise click.UsageError(f"Several scenes would write {', '.join(twice)}; run them apart.")
     return names
+
+
+def _folder_name(scene: Path) -> str:
+    return os.path.basename(os.path.dirname(os.path.realpath(scene)))  # which takes links that lead nowhere, too
 
 
 def _run_one(scene: Path, log: Path, options: RunOptions) -> Outcome:
@@ -82,7 +87,7 @@ def _print_table(outcomes: Sequence[Outcome]) -> None:
             worst = next((verdict for verdict in VERDICTS if counts[verdict]), "no pairs")
             found = ", ".join(f"{counts[verdict]} {verdict}" for verdict in VERDICTS if counts[verdict])
         log = "" if outcome.result is None else str(outcome.log)
-        table.add_row(Text(str(outcome.scene)), Text(worst, STYLES.get(worst, "bold red")), Text(found), Text(log))
+        table.add_row(cell(str(outcome.scene)), cell(worst, STYLES.get(worst, "bold red")), cell(found), cell(log))
     console_for().print(table)
 
 

@@ -7,11 +7,11 @@ from pathlib import Path
 import click
 
 from .faults import faults_reported
-from .options import scene_options
+from .options import FILE_NAME, scene_options
 
 
 @click.command("check")
-@click.argument("scene", type=click.Path(path_type=Path, readable=False))
+@click.argument("scene", type=FILE_NAME)
 @scene_options
 @click.option("--suggest-ignores", is_flag=True, help="Print pairs that touch at the start, ready to paste.")
 @click.option("--json", "as_json", is_flag=True, help="Print what was understood as JSON.")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .faults import exit_code_of, faults_reported
+from .options import FILE_NAME
 
 if TYPE_CHECKING:
     from ..formats.log.diff.findings import Rules
@@ -19,8 +20,8 @@ def _tolerance(name: str, unit: str, default: float, text: str) -> Callable[[Any
 
 
 @click.command("diff")
-@click.argument("golden", type=click.Path(path_type=Path))
-@click.argument("new", type=click.Path(path_type=Path))
+@click.argument("golden", type=FILE_NAME)
+@click.argument("new", type=FILE_NAME)
 @_tolerance("--time-tol", "S", 1e-6, "Times may differ by so much, s.")
 @_tolerance("--time-rtol", "SHARE", 0.0, "And by this share of the golden time.")
 @_tolerance("--distance-tol", "M", 1e-6, "Distances may differ by so much, m.")
@@ -35,7 +36,7 @@ def _tolerance(name: str, unit: str, default: float, text: str) -> Callable[[Any
 @click.option("--all", "every_topic", is_flag=True, help="Compare every message too, not only what was found.")
 @click.option("--limit", type=click.IntRange(1), default=10, show_default=True, help="Differences shown, at most.")
 @click.option("--json", "as_json", is_flag=True, help="Print all differences as JSON.")
-@click.option("--junit", type=click.Path(path_type=Path), metavar="FILE", help="Write a JUnit report, a case a pair.")
+@click.option("--junit", type=FILE_NAME, metavar="FILE", help="Write a JUnit report, a case a pair.")
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing; the exit code tells.")
 def command(
     golden: Path,

@@ -9,11 +9,12 @@ from pathlib import Path
 import click
 
 from .faults import exit_code_of, faults_reported, raise_interrupts
-from .options import choice_of, choice_options
+from .options import FILE_NAME, choice_of, choice_options
+from .terminal import say
 
 
 @click.command("export")
-@click.argument("log", type=click.Path(path_type=Path))
+@click.argument("log", type=FILE_NAME)
 @click.option(
     "--format",
     "kind",
@@ -23,7 +24,7 @@ from .options import choice_of, choice_options
     help="Of the tables.",
 )
 @choice_options
-@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="DIR", help="A file for every table, in here.")
+@click.option("-o", "--output", type=FILE_NAME, metavar="DIR", help="A file for every table, in here.")
 @click.option("-q", "--quiet", is_flag=True, help="Do not tell what was written.")
 def command(
     log: Path,
@@ -65,7 +66,7 @@ def command(
             done = export_tables(log, kind, choice, output)
             if not quiet:
                 for name, rows in sorted(done.rows.items()):
-                    click.echo(f"{output / f'{name}.{kind}'}: {rows} rows")
+                    say(f"{output / f'{name}.{kind}'}: {rows} rows")
         if not (quiet or done.loss or any(done.rows.values())):
-            click.echo("no message is such", err=True)
+            say("no message is such", to_stderr=True)
         return exit_code_of(done.loss)

@@ -8,14 +8,15 @@ from pathlib import Path
 import click
 
 from .faults import exit_code_of, faults_reported, raise_interrupts
-from .options import choice_of, choice_options
+from .options import FILE_NAME, choice_of, choice_options
+from .terminal import say
 
 
 @click.command("extract")
-@click.argument("log", type=click.Path(path_type=Path))
+@click.argument("log", type=FILE_NAME)
 @click.argument("name", required=False)
 @choice_options
-@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="FILE", help="The log or file to write.")
+@click.option("-o", "--output", type=FILE_NAME, metavar="FILE", help="The log or file to write.")
 @click.option("-q", "--quiet", is_flag=True, help="Do not tell what was taken.")
 def command(
     log: Path,
@@ -55,9 +56,9 @@ def command(
 
         part = write_part(log, output, choice)
         if not quiet:
-            click.echo(f"{output}: {part.messages} of {part.of} messages")
+            say(f"{output}: {part.messages} of {part.of} messages")
             if pairs and not part.pairs and part.loss is None:
-                click.echo("no pair is such", err=True)
+                say("no pair is such", to_stderr=True)
         return exit_code_of(part.loss)
 
 
@@ -67,7 +68,7 @@ def _list_files(log: Path) -> int:
 
     with LogReader(log) as reader:
         for file in reader.attachments():
-            click.echo(f"{len(file.data):>12}  {file.media_type:<24}  {file.name}")
+            say(f"{len(file.data):>12}  {file.media_type:<24}  {file.name}")
         return exit_code_of(reader.loss)
 
 

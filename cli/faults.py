@@ -7,12 +7,15 @@ import signal
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from io import StringIO
 from pathlib import Path
 from shlex import quote
 from types import FrameType
 from typing import TYPE_CHECKING, NoReturn
 
 import click
+
+from .terminal import say
 
 if TYPE_CHECKING:
     from ..formats.log.reader import Loss
@@ -70,13 +73,13 @@ def faults_reported(output: Path | None = None) -> Iterator[None]:
         report(fault, output)
         sys.exit(WITH_LOSS if isinstance(fault, DamagedLogError) else 2)
     except MemoryError:
-        click.echo("out of memory: the scene or the log is too large for this machine", err=True)
+        say("out of memory: the scene or the log is too large for this machine", to_stderr=True)
         sys.exit(2)
     except KeyboardInterrupt:
-        click.echo("interrupted" + _how_to_recover(output), err=True)
+        say("interrupted" + _how_to_recover(output), to_stderr=True)
         sys.exit(128 + signal.SIGINT)
     except Terminated:
-        click.echo("terminated" + _how_to_recover(output), err=True)
+        say("terminated" + _how_to_recover(output), to_stderr=True)
         sys.exit(128 + signal.SIGTERM)
 
 
@@ -84,16 +87,29 @@ def exit_code_of(*losses: Loss | None, otherwise: int = 0) -> int:
     """Tell on stderr what could not be read of logs, a line each; return the exit code."""
     lost = [loss for loss in losses if loss is not None]
     for loss in lost:
-        click.echo(str(loss), err=True)
+        say(str(loss), to_stderr=True)
     return WITH_LOSS if lost else otherwise
 
 
 def report(fault: Exception, output: Path | None) -> None:
-    """Print a fault on stderr, and where the log so far is, if the fault cut it short."""
+    """Print a fault on stderr, a line each where there are several, and where the log is that it cut short."""
     from ..formats.log.errors import LogError
+    from ..formats.scene.errors import SceneError
 
+    if isinstance(fault, SceneError):
+        for one in fault.faults:
+            say(str(one), to_stderr=True)
+        return
     cut_short = isinstance(fault, LogError) and fault.path == Path(f"{output}.partial")
-    click.echo(str(fault) + (_how_to_recover(output) if cut_short else ""), err=True)
+    say(str(fault) + (_how_to_recover(output) if cut_short else ""), to_stderr=True)
+
+
+def report_misuse(error: click.ClickException) -> None:
+    """Print what is wrong with a command line, as click words it, on stderr."""
+    words = StringIO()
+    error.show(words)
+    for line in words.getvalue().rstrip("\n").split("\n"):
+        say(line.expandtabs(), to_stderr=True)
 
 
 def _terminate(number: int, frame: FrameType | None) -> NoReturn:
@@ -104,7 +120,7 @@ def _terminate(number: int, frame: FrameType | None) -> NoReturn:
 def _how_to_recover(output: Path | None) -> str:
     """Return where the log so far is, if there is one."""
     partial = Path(f"{output}.partial")
-    if output is None or not partial.exists():
+    if output is None or not os.path.exists(partial):  # of which Path makes an error where a name is too long
         return ""
     named = quote(str(partial))
     mended = f"the MCAP command line tool mends it: mcap recover {named} -o recovered.mcap"

@@ -6,6 +6,7 @@ import os
 import signal
 import sys
 from importlib import import_module
+from io import TextIOWrapper
 from typing import Any, NoReturn
 
 import click
@@ -13,7 +14,7 @@ import click
 from closecall import __version__
 
 from .completion import VARIABLE
-from .faults import end_at_interrupts
+from .faults import end_at_interrupts, report_misuse
 
 COMMANDS = {
     "run": "Run a scene and write its certified log.",
@@ -74,11 +75,14 @@ def group() -> None:
 
 def main() -> NoReturn:
     """Run the command line; every failure ends in one line and its exit code."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):  # which a name may hold more than its encoding knows
+            stream.reconfigure(errors="backslashreplace")
     try:
         end_at_interrupts()
         code = group.main(standalone_mode=False, complete_var=VARIABLE)
     except click.ClickException as error:
-        error.show()
+        report_misuse(error)
         sys.exit(2)
     except (click.Abort, KeyboardInterrupt):
         sys.exit(130)

@@ -102,7 +102,18 @@ def _rate(ctx: click.Context, param: click.Parameter, value: float | None) -> fl
     return value
 
 
-_PATH = click.Path(path_type=Path)
+class _FileName(click.Path):
+    """The name of a file or folder, as a path."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the path; an empty name, as of a shell's variable that is not set, is none."""
+        if value == "":
+            self.fail("expected a name, got an empty one.", param, ctx)
+        return super().convert(value, param, ctx)
+
+
+#: What is wrong with a file is told where it is read or written.
+FILE_NAME = _FileName(path_type=Path, readable=False)
 _CHOICE_OPTIONS = (
     click.option("--topic", "topics", multiple=True, metavar="GLOB", help="Only such topics ('/spans', '/viz/*')."),
     click.option(
@@ -113,7 +124,7 @@ _CHOICE_OPTIONS = (
 )
 _SCENE_OPTIONS = (
     click.option(
-        "--mesh-root", "mesh_roots", multiple=True, type=_PATH, metavar="DIR", help="Files may come from here too."
+        "--mesh-root", "mesh_roots", multiple=True, type=FILE_NAME, metavar="DIR", help="Files may come from here too."
     ),
     click.option(
         "--max-bytes",
@@ -128,8 +139,8 @@ _SCENE_OPTIONS = (
     click.option("--strict", is_flag=True, help="Refuse a scene that gives any warning."),
 )
 _OPTIONS = (
-    click.option("-o", "--output", type=_PATH, metavar="LOG", help="The log to write; - for standard output."),
-    click.option("--out-dir", type=_PATH, metavar="DIR", help="Write each scene's log into this folder."),
+    click.option("-o", "--output", type=FILE_NAME, metavar="LOG", help="The log to write; - for standard output."),
+    click.option("--out-dir", type=FILE_NAME, metavar="DIR", help="Write each scene's log into this folder."),
     click.option("--time-resolution", type=float, metavar="S", help="Least step of the main loop, s."),
     click.option("--contact-tolerance", type=float, metavar="S", help="Widest bracket of a begin or end, s."),
     click.option("--margin", type=float, metavar="M", help="Nearer than this is a breach, m."),

@@ -9,6 +9,7 @@ from typing import TypeVar
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+from ..formats.scene.errors import printable
 from ..scheduler.events import Collision, Phase, Wakeup
 
 ToldT = TypeVar("ToldT")
@@ -24,7 +25,7 @@ def shown(events: Iterable[ToldT], start: float, end: float, title: str) -> Gene
         yield from events
         return
     columns = (
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(bar_width=None),
         TextColumn("{task.fields[now]:.3f} of {task.fields[end]:g} s"),
         TextColumn("{task.fields[wakeups]} wakeups, {task.fields[contacts]} contacts"),
@@ -33,7 +34,7 @@ def shown(events: Iterable[ToldT], start: float, end: float, title: str) -> Gene
     wakeups = contacts = 0
     latest = start
     with Progress(*columns, console=console, transient=True) as bar:
-        task = bar.add_task(title, total=end - start, now=start, end=end, wakeups=0, contacts=0)
+        task = bar.add_task(printable(title), total=end - start, now=start, end=end, wakeups=0, contacts=0)
         for event in events:
             yield event
             if isinstance(event, Collision):
@@ -53,12 +54,12 @@ def shares_shown(title: str, quiet: bool) -> Iterator[Callable[[int, int], None]
         yield lambda done, of: None
         return
     columns = (
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(bar_width=None),
         MofNCompleteColumn(),
         TextColumn("shares of the pairs"),
         TimeRemainingColumn(compact=True),
     )
     with Progress(*columns, console=console, transient=True) as bar:
-        task = bar.add_task(title, total=None)
+        task = bar.add_task(printable(title), total=None)
         yield lambda done, of: bar.update(task, completed=done, total=of)

@@ -9,13 +9,13 @@ import click
 from ..formats.log.output import destination, published
 from ..formats.log.pipe import STDOUT
 from .faults import exit_code_of, faults_reported, raise_interrupts
+from .options import FILE_NAME
+from .terminal import say
 
 
 @click.command("report")
-@click.argument("log", type=click.Path(path_type=Path))
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path), metavar="PAGE", help="The page; - for standard output."
-)
+@click.argument("log", type=FILE_NAME)
+@click.option("-o", "--output", type=FILE_NAME, metavar="PAGE", help="The page; - for standard output.")
 @click.option("-q", "--quiet", is_flag=True, help="Do not tell where the page is.")
 def command(log: Path, output: Path | None, quiet: bool) -> int:
     """Write what LOG found as one HTML page, which needs no network; without -o beside the log, under its name.
@@ -28,7 +28,7 @@ def command(log: Path, output: Path | None, quiet: bool) -> int:
     from ..formats.report.gathering import gather
     from ..formats.report.page import page
 
-    target = log.with_name(f"{log.stem}.html") if output is None else output
+    target = log.parent / f"{log.stem}.html" if output is None else output
     with faults_reported():
         raise_interrupts()
         place = destination(target, [log])
@@ -37,5 +37,5 @@ def command(log: Path, output: Path | None, quiet: bool) -> int:
         with published(place) as stream:
             stream.write(data)
         if not quiet and target != STDOUT:
-            click.echo(f"{target}: {len(data) / 1e6:.1f} MB")
+            say(f"{target}: {len(data) / 1e6:.1f} MB")
         return exit_code_of(gathered.loss)

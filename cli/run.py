@@ -8,11 +8,11 @@ from typing import Any
 
 import click
 
-from .options import RunOptions, run_options
+from .options import FILE_NAME, RunOptions, run_options
 
 
 @click.command("run")
-@click.argument("scenes", nargs=-1, required=True, type=click.Path(path_type=Path, readable=False), metavar="SCENE...")
+@click.argument("scenes", nargs=-1, required=True, type=FILE_NAME, metavar="SCENE...")
 @run_options
 def command(scenes: tuple[Path, ...], **given: Any) -> int:
     """Run SCENE and write its certified log; with --out-dir, run many.

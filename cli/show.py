@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Callable, Iterable, Mapping
 from decimal import ROUND_FLOOR, Context
 from math import inf
 from typing import Any
 
-import click
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 from ..formats.log.clock import seconds_told
 from ..formats.log.diff.wording import between
+from ..formats.log.escapes import json_text
 from ..formats.log.ranking import VERDICTS, badness, nearness
 from ..formats.log.summary import PairSummary, Summary
-from ..formats.scene.errors import counted
+from ..formats.scene.errors import counted, printable
+from .terminal import cell, say
 
 #: Rows of the table for people.
 MOST_ROWS = 20
@@ -31,7 +31,11 @@ STYLES = {"contact": "bold red", "breach": "red", "unresolved": "yellow", "possi
 
 
 class _Console(Console):
-    """A console that lets its caller know that the reader of its pipe went away."""
+    """A console that prints words as they are, and lets its caller know that the reader of its pipe went away."""
+
+    def render_str(self, text: str, **options: Any) -> Text:
+        """Return words as text, whatever they hold."""
+        return super().render_str(printable(text), **options)
 
     def on_broken_pipe(self) -> None:
         """Raise what rich would turn into a failure."""
@@ -40,7 +44,7 @@ class _Console(Console):
 
 def console_for(to_stderr: bool = False) -> Console:
     """Return a console as wide as the terminal; down a pipe, wide enough to keep a row in one line for grep."""
-    console = _Console(highlight=False, stderr=to_stderr)
+    console = _Console(highlight=False, markup=False, emoji=False, stderr=to_stderr)
     if not console.is_terminal and "COLUMNS" not in os.environ:
         console.width = WIDTH_OF_A_PIPE
     return console
@@ -49,17 +53,17 @@ def console_for(to_stderr: bool = False) -> Console:
 def print_warnings(warnings: Iterable[str]) -> None:
     """Print a line each on stderr."""
     for warning in warnings:
-        click.echo(f"warning: {warning}", err=True)
+        say(f"warning: {warning}", to_stderr=True)
 
 
 def print_json(value: Mapping[str, Any]) -> None:
     """Print a JSON object on stdout."""
-    click.echo(json.dumps(value, ensure_ascii=False, allow_nan=False))
+    say(json_text(value))
 
 
 def print_seconds(seconds: Mapping[str, float]) -> None:
     """Print what the run's parts took, on stderr."""
-    click.echo("seconds: " + ", ".join(f"{name} {value:.3f}" for name, value in seconds.items()), err=True)
+    say("seconds: " + ", ".join(f"{name} {value:.3f}" for name, value in seconds.items()), to_stderr=True)
 
 
 def print_summary(
@@ -81,8 +85,8 @@ def print_summary(
         table.add_column(column, justify=justify, overflow="fold")  # type: ignore[arg-type]
     for pair in shown:
         verdict = pair["verdict"]
-        name = Text(pair["pair"].replace("|", " | "))
-        table.add_row(name, Text(verdict, STYLES[verdict]), Text(_distance(pair)), Text(_contacts(pair)))
+        name = cell(pair["pair"].replace("|", " | "))
+        table.add_row(name, cell(verdict, STYLES[verdict]), cell(_distance(pair)), cell(_contacts(pair)))
     if shown or not summary["pairs"]:
         console.print(table)
     else:

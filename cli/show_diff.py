@@ -10,12 +10,12 @@ from typing import Any
 from rich.console import Console
 from rich.padding import Padding
 from rich.table import Table
-from rich.text import Text
 
 from ..formats.log.diff.difference import Cause, Comparison, Difference, by_size
 from ..formats.log.diff.wording import place, sentence, told
 from ..formats.scene.errors import counted
 from .show import console_for
+from .terminal import cell
 
 #: Causes that a reviewer should see first.
 _GRAVE = (Cause.VERDICT, Cause.CONTACT_APPEARED, Cause.PAIR_REMOVED)
@@ -32,13 +32,13 @@ def print_comparison(comparison: Comparison, most: int) -> None:
         shown = list(group)
         _print_cause(console, cause, shown, counts[cause])
     for note in comparison.notes:
-        console.print(Text(f"note: {note}", "dim"))
+        console.print(cell(f"note: {note}", "dim"))
     first = comparison.first
     if first is None:
         same = "the same in what could be read" if comparison.losses else "the same"
         console.print(f"{same}: {counted(len(comparison.pairs), 'pair')}")
         return
-    console.print(Text(f"first: {sentence(first)}"))
+    console.print(cell(f"first: {sentence(first)}"))
     differ = len({one.subject for one in comparison.differences} & set(comparison.pairs))
     pairs = counted(len(comparison.pairs), "pair")
     console.print(f"different: {counted(len(comparison.differences), 'difference')}, in {differ} of {pairs}")
@@ -49,18 +49,18 @@ def _print_cause(console: Console, cause: Cause, shown: list[Difference], count:
     heading = f"{cause.label}: {count}"
     if len(shown) < count:
         heading += f", the largest {len(shown)}" if len(shown) > 1 else ", the largest"
-    console.print(Text(heading, "bold red" if cause in _GRAVE else "bold"))
+    console.print(cell(heading, "bold red" if cause in _GRAVE else "bold"))
     if console.width < _TABLE_WIDTH:
         for one in shown:
             text = ", at ".join(part for part in (told(one), place(one)) if part)
             subject = f"{one.subject.replace('|', ' | ')}: " if one.subject else ""
-            console.print(Padding(Text(f"{subject}{text}"), (0, 0, 0, 2), expand=False))
+            console.print(Padding(cell(f"{subject}{text}"), (0, 0, 0, 2), expand=False))
         return
     table = Table(box=None, pad_edge=False, show_header=False)
     for _ in range(3):
         table.add_column(overflow="fold")
     for one in shown:
-        table.add_row(Text(one.subject.replace("|", " | ")), Text(told(one)), Text(place(one), "dim"))
+        table.add_row(cell(one.subject.replace("|", " | ")), cell(told(one)), cell(place(one), "dim"))
     console.print(Padding(table, (0, 0, 0, 2), expand=False))
 
 

@@ -7,14 +7,14 @@ from pathlib import Path
 import click
 
 from .faults import exit_code_of, faults_reported
-from .options import FINDINGS, one_or_more_of
+from .options import FILE_NAME, FINDINGS, one_or_more_of
 
 VERDICTS = (*FINDINGS, "clear")
 SORTS = ("severity", "distance", "time", "name", "wakeups")
 
 
 @click.command("summary")
-@click.argument("log", type=click.Path(path_type=Path))
+@click.argument("log", type=FILE_NAME)
 @click.option(
     "--pair", "patterns", multiple=True, metavar="GLOB", help="Only these pairs ('arm|*') or bodies ('tool*')."
 )

@@ -8,10 +8,8 @@ from itertools import islice
 from math import degrees, inf, isfinite
 from typing import Any
 
-import click
 import numpy as np
 from rich.table import Table
-from rich.text import Text
 
 from ..formats.scene.errors import counted
 from ..formats.scene.loaded import LoadedScene
@@ -21,6 +19,7 @@ from ..scheduler.pair import Pair
 from ..scheduler.pairing import ignored_pairs
 from ..scheduler.scene import Body, Scene
 from .show import console_for
+from .terminal import cell, say
 
 #: Rows of the table for people.
 MOST_ROWS = 40
@@ -65,7 +64,7 @@ def print_understood(loaded: LoadedScene, pairs: int, margins: list[float]) -> N
     for body in scene.bodies[:MOST_ROWS]:
         told = _body(scene, body, files)
         size = "" if told["size"] is None else " x ".join(f"{length:.3g}" for length in told["size"]) + " m"
-        table.add_row(*map(Text, (told["name"], told["parent"] or "", _motion(told), _shapes(told), size)))
+        table.add_row(*map(cell, (told["name"], told["parent"] or "", _motion(told), _shapes(told), size)))
     console.print(table)
     if len(scene.bodies) > MOST_ROWS:
         console.print(f"... and {counted(len(scene.bodies) - MOST_ROWS, 'more body', 'more bodies')}")
@@ -115,12 +114,13 @@ def print_ignores(scene: Scene, pairs: Sequence[Pair]) -> None:
     """Print the pairs that touch when both bodies are first there, as the scene's `pairs` section."""
     touching = [pair for pair in pairs if pair.look_inside(pair.measure(pair.start)).touching]
     if not touching:
-        click.echo("no pair that is checked touches at the start", err=True)
+        say("no pair that is checked touches at the start", to_stderr=True)
         return
-    click.echo("pairs:\n  ignore:")
+    say("pairs:")
+    say("  ignore:")
     for pair in touching:
         names = ", ".join(_in_yaml(scene.bodies[body].name) for body in (pair.key.a, pair.key.b))
-        click.echo(f"    - {{between: [{names}], reason: touching at {pair.start:g} s}}")
+        say(f"    - {{between: [{names}], reason: touching at {pair.start:g} s}}")
 
 
 def _in_yaml(name: str) -> str:

@@ -123,7 +123,7 @@ def columns_told(text: str) -> dict[str, str]:
         (["out.mcap", "--topic", "/spans", "--format", "parquet"], 2, "Parquet needs -o DIR"),
         (["out.mcap", "--topic", "/spans", "--from", "2", "--to", "1"], 2, "expected --from before --to"),
         (["none.mcap", "--topic", "/spans"], 2, "none.mcap: does not exist"),
-        (["out.mcap", "-o", "out.mcap"], 2, "cannot write"),
+        (["out.mcap", "-o", "out.mcap"], 2, "is not a folder"),
         (["cut.mcap", "--topic", "/spans"], 3, "cut.mcap: unfinished at byte"),
     ],
 )

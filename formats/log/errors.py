@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from ..scene.errors import printable
+
 
 class LogError(Exception):
     """A log that cannot be written or read: one line that names the file, what is wrong, and what to do.
@@ -15,7 +17,7 @@ class LogError(Exception):
     """
 
     def __init__(self, path: Path, problem: str, remedy: str) -> None:
-        super().__init__(" ".join(f"{path}: {problem}; {remedy}".split()))
+        super().__init__(printable(f"{path}: {problem}; {remedy}"))
         self.path = path
         self.problem = problem
         self.remedy = remedy

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass, field
@@ -12,6 +11,8 @@ from typing import IO, Any, Protocol
 
 from .choice import Choice
 from .errors import LogError
+from .escapes import csv_text, json_text
+from .output import Output, published
 from .reader import LogReader, Loss
 from .tables import Row, Table, table_of, tables
 
@@ -35,7 +36,10 @@ class CsvWriter:
     def __init__(self, stream: IO[bytes], table: Table) -> None:
         self._rows = csv.writer(_Utf8(stream), lineterminator="\n")
         self._rows.writerow([column.name for column in table.columns])
-        self.write = self._rows.writerow
+
+    def write(self, row: Row) -> None:
+        """Write a row."""
+        self._rows.writerow([csv_text(value) if isinstance(value, str) else value for value in row])
 
     def close(self) -> None:
         """Nothing is left."""
@@ -51,7 +55,7 @@ class NdjsonWriter:
     def write(self, row: Row) -> None:
         """Write a row."""
         values = dict(zip(self._names, row, strict=True))
-        self._stream.write(json.dumps(values, ensure_ascii=False, allow_nan=False).encode() + b"\n")
+        self._stream.write(json_text(values).encode() + b"\n")
 
     def close(self) -> None:
         """Nothing is left."""
@@ -132,29 +136,27 @@ def export_tables(log: Path, kind: str, choice: Choice, folder: Path) -> Exporte
     """
     done = Exported()
     writers: dict[str, RowWriter] = {}
-    partials: dict[Path, Path] = {}
-    try:
-        with ExitStack() as files, LogReader(log) as reader:
-            for table, row in _rows(reader, choice):
-                if table.name not in writers:
-                    folder.mkdir(parents=True, exist_ok=True)
-                    path = folder / f"{table.name}.{kind}"
-                    partial = path.with_name(f"{path.name}.partial")
-                    partials[partial] = path
-                    writers[table.name] = FORMATS[kind](files.enter_context(partial.open("wb")), table)
-                writers[table.name].write(row)
-                done.rows[table.name] = done.rows.get(table.name, 0) + 1
-            done.loss = reader.loss
-            for writer in writers.values():
-                writer.close()
-        for partial, path in partials.items():
-            partial.replace(path)
-    except OSError as error:
-        raise LogError(folder, f"cannot write: {error.strerror or error}", "choose another folder with -o") from error
-    finally:
-        for partial in partials:
-            partial.unlink(missing_ok=True)
+    with LogReader(log) as reader, ExitStack() as files:
+        for table, row in _rows(reader, choice):
+            if table.name not in writers:
+                _make(folder)
+                output = Output(folder / f"{table.name}.{kind}", [log])
+                writers[table.name] = FORMATS[kind](files.enter_context(published(output)), table)
+            writers[table.name].write(row)
+            done.rows[table.name] = done.rows.get(table.name, 0) + 1
+        done.loss = reader.loss
+        for writer in writers.values():
+            writer.close()
     return done
+
+
+def _make(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except FileExistsError as error:
+        raise LogError(folder, "is not a folder", "choose another with -o") from error
+    except OSError as error:
+        raise LogError(folder, f"cannot be made: {error.strerror or error}", "choose another folder with -o") from error
 
 
 def chosen_tables(choice: Choice) -> list[Table]:

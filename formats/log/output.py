@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 from collections.abc import Iterator, Sequence
@@ -11,6 +12,11 @@ from typing import IO
 
 from .errors import LogError
 from .pipe import STDOUT, Pipe
+
+PARTIAL = ".partial"
+"""Behind an output's name until the output is whole."""
+
+_FULL = frozenset((errno.ENOSPC, errno.EDQUOT, errno.EFBIG))
 
 
 def destination(path: Path, inputs: Sequence[Path]) -> Output | Pipe:
@@ -53,15 +59,16 @@ class Output:
     def __init__(self, path: Path, inputs: Sequence[Path], option: str = "-o") -> None:
         self.path = path
         self._option = option
-        self.partial = path.with_name(path.name + ".partial") if path.name else path
+        self.partial = path.with_name(path.name + PARTIAL) if path.name else path
         self._stream: IO[bytes] | None = None
         self._own: os.stat_result | None = None
         try:
             _require_place(path, option)
+            _require_short_name(path, option)
             for target in (self.path, self.partial):
-                _require_plain_file(target, option)
+                _require_plain_file(path, target, option)
                 for source in inputs:
-                    _require_other_file(target, source, option)
+                    _require_other_file(path, target, source, option)
         except OSError as error:
             raise self.fault(error) from error
 
@@ -106,9 +113,12 @@ class Output:
             raise LogError(self.path, f"another run took or removed {self.partial}", "give every run its own output")
 
     def fault(self, error: OSError) -> LogError:
-        """Return the system's refusal to write as one line."""
-        remedy = f"free space there, or choose another folder with {self._option}"
-        return LogError(self.partial, f"cannot write: {error.strerror or error}", remedy)
+        """Return the system's refusal to write as one line, which names `partial` once that is there."""
+        place = self.path if self._own is None else self.partial
+        remedy = f"choose another output with {self._option}"
+        if error.errno in _FULL:
+            remedy = f"free space there, or choose another folder with {self._option}"
+        return LogError(place, f"cannot write: {error.strerror or error}", remedy)
 
 
 def _require_place(path: Path, option: str) -> None:
@@ -120,14 +130,36 @@ def _require_place(path: Path, option: str) -> None:
         raise LogError(path, f"the folder {path.parent} is not writable", f"choose another with {option}")
 
 
-def _require_plain_file(path: Path, option: str) -> None:
-    if path.exists() and not path.is_file():
-        raise LogError(path, "exists and is not a plain file", f"choose another output with {option}")
+def _require_short_name(path: Path, option: str) -> None:
+    most = _longest_name(path.parent) - len(PARTIAL)
+    length = len(os.fsencode(path.name))
+    if length > most:
+        problem = f"the name has {length} bytes, of which {most} are the most, for {PARTIAL} is added for a while"
+        raise LogError(path, problem, f"choose a shorter name with {option}")
 
 
-def _require_other_file(target: Path, source: Path, option: str) -> None:
+def _longest_name(folder: Path) -> int:
+    """Return how many bytes a file's name may have in a folder."""
+    try:
+        return os.pathconf(folder, "PC_NAME_MAX")
+    except (OSError, ValueError, AttributeError):  # where the system does not say
+        return 255
+
+
+def _require_plain_file(path: Path, target: Path, option: str) -> None:
+    if target.exists() and not target.is_file():
+        if target == path:
+            raise LogError(path, "exists and is not a plain file", f"choose another output with {option}")
+        what = "a folder" if target.is_dir() else "not a plain file"
+        problem = f"{target}, where it stands until it is whole, is {what}"
+        raise LogError(path, problem, f"remove that, or choose another output with {option}")
+
+
+def _require_other_file(path: Path, target: Path, source: Path, option: str) -> None:
     if target.exists() and source.exists() and target.samefile(source):
-        raise LogError(target, f"would overwrite the input {source}", f"choose another output with {option}")
+        through = "" if target == path else f" by way of {target}"
+        problem = f"would overwrite the input {source}{through}"
+        raise LogError(path, problem, f"choose another output with {option}")
 
 
 def _sync_folder(folder: Path) -> None:

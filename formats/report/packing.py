@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ...scheduler.scene import FloatArray
 from ..log import messages_pb2 as pb
 from ..log.ranking import VERDICTS
+from ..scene.errors import printable
 from .gathering import Gathered
 from .replay import BOX_NUMBERS, POSE_NUMBERS, Drawn, Replay
 from .tracks import Curve
@@ -74,7 +75,7 @@ def packed(gathered: Gathered, near: float, opens: tuple[int, float]) -> str:
         "end": end,
         "near": near,
         "opens": opens,
-        "bodies": bodies,
+        "bodies": [printable(name) for name in bodies],
         "verdicts": VERDICTS,
         "spanVerdicts": {number: name.lower() for name, number in pb.Span.Verdict.items() if number},
         "reasons": list(pb.Wakeup.Reason.Value.keys()),
@@ -175,7 +176,7 @@ def _add_replay(block: _Block, replay: Replay, origin: FloatArray) -> dict[str, 
     block.add("boxSize", crowd[:, 7:10], "<f4")
     return {
         "bodies": [_body(name, body, origin) for name, body in replay.bodies.items()],
-        "tracks": [name for name, _ in tracks],
+        "tracks": [printable(name) for name, _ in tracks],
         "coarser": replay.models.coarser,
     }
 
@@ -192,7 +193,7 @@ def _body(name: str, body: Drawn, origin: FloatArray) -> dict[str, Any]:
         }
         for part in body.parts
     ]
-    return {"name": name, "parts": parts, "there": body.there}
+    return {"name": printable(name), "parts": parts, "there": body.there}
 
 
 def _origin(replay: Replay | None) -> FloatArray:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import base64
 import hashlib
 from collections.abc import Sequence
-from html import escape
 from importlib.resources import files
 from math import floor, log10
 from string import Template
 
+from ..log.escapes import html_text
 from ..log.summary import PairSummary
 from . import sections
 from .gathering import Gathered
@@ -42,9 +42,9 @@ def page(gathered: Gathered) -> str:
     libraries = _source(_LIBRARIES)
     scripts = "\n".join(map(_source, _SCRIPTS))
     values = {
-        "title": escape(f"{gathered.name}: {headline(gathered.found.summary)}"),
+        "title": html_text(f"{gathered.name}: {headline(gathered.found.summary)}"),
         "policy": _policy(libraries, scripts),
-        "name": escape(gathered.name),
+        "name": html_text(gathered.name),
         "styles": "\n".join(map(_source, _STYLES)),
         "verdict": sections.verdict(gathered),
         "worst": sections.worst(gathered),

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from html import escape
 
+from ..log.escapes import html_text
 from ..log.found import Stretches
 from ..log.summary import PairSummary
 from ..scene.errors import counted
@@ -52,7 +52,7 @@ def verdict(gathered: Gathered) -> str:
     """Return the headline, what follows it, and what is lost."""
     places = {pair["pair"]: place for place, pair in enumerate(gathered.pairs)}
     told = "".join(f"<p>{sentence}</p>" for sentence in sentences(gathered.found, places))
-    return f"{_banner(gathered)}<h1>{escape(headline(gathered.found.summary))}</h1>{told}"
+    return f"{_banner(gathered)}<h1>{html_text(headline(gathered.found.summary))}</h1>{told}"
 
 
 def worst(gathered: Gathered) -> str:
@@ -70,7 +70,7 @@ def worst(gathered: Gathered) -> str:
 def legend() -> str:
     """Return what the colours and patterns of the map mean."""
     items = (
-        f'<li title="{escape(meaning)}"><canvas class="swatch" data-class="{name}" width="32" height="16"></canvas>'
+        f'<li title="{html_text(meaning)}"><canvas class="swatch" data-class="{name}" width="32" height="16"></canvas>'
         f"{name}</li>"
         for name, meaning in _MEANINGS.items()
     )
@@ -96,7 +96,7 @@ def contacts(gathered: Gathered) -> str:
             until_the_end(pair["pair"] in gathered.found.lost) if end is None else interval(*end),
             "" if end is None else moment(end[0] - touching),
             kinds.get((index, touching), ""),
-            f"<bdi>{escape(keys)}</bdi>" if keys else "",
+            f"<bdi>{html_text(keys)}</bdi>" if keys else "",
         )
         rows.append(cells)
     heads = ("Pair", "Touches at", "Begin proved within", "End proved within", "Lasts at least", "Kind", "Between keys")
@@ -122,9 +122,9 @@ def awakenings(gathered: Gathered) -> str:
     rows = []
     for reason in sorted(totals, key=lambda reason: (-totals[reason], reason)):
         levels = ", ".join(f"{count} {level.lower()}" for level, count in sorted(by_reason[reason].items()))
-        told = f"<code>{escape(reason)}</code> {escape(_REASONS.get(reason, ''))}"
-        cells = (told, _bar(totals[reason], most), escape(levels), f'<span data-reason="{escape(reason)}"></span>')
-        rows.append(cells)
+        told = f"<code>{html_text(reason)}</code> {html_text(_REASONS.get(reason, ''))}"
+        selected = f'<span data-reason="{html_text(reason)}"></span>'
+        rows.append((told, _bar(totals[reason], most), html_text(levels), selected))
     heads = ("Reason", "How often", "Measured by", "Selected pair")
     return f'<div class="columns">{_table(heads, rows)}{_sleeps(gathered)}</div>'
 
@@ -150,13 +150,13 @@ def provenance(gathered: Gathered) -> str:
         facts[key] = "none" if value is None else f"{value!r}{unit}"
     if gathered.warnings:
         facts["Warnings"] = "; ".join(gathered.warnings)
-    terms = "".join(f"<dt>{escape(key)}</dt><dd><bdi>{escape(value)}</bdi></dd>" for key, value in facts.items())
+    terms = "".join(f"<dt>{html_text(key)}</dt><dd><bdi>{html_text(value)}</bdi></dd>" for key, value in facts.items())
     return f"<dl>{terms}</dl>"
 
 
 def guarantees() -> str:
     """Return what each verdict says is proved."""
-    rows = [(_badge(name), escape(meaning)) for name, meaning in _MEANINGS.items() if name != "near"]
+    rows = [(_badge(name), html_text(meaning)) for name, meaning in _MEANINGS.items() if name != "near"]
     return _table(("Verdict", "What is certain"), rows)
 
 
@@ -181,7 +181,7 @@ def _banner(gathered: Gathered) -> str:
     )
     told = folded if gathered.found.folded else carried
     what = f"The log is {loss.told}."
-    return f'<p class="banner" role="alert"><strong>Not the whole log.</strong> {escape(what)} {told}</p>'
+    return f'<p class="banner" role="alert"><strong>Not the whole log.</strong> {html_text(what)} {told}</p>'
 
 
 def _worst_row(index: int, pair: PairSummary, lost: Stretches) -> Sequence[str]:
@@ -206,7 +206,7 @@ def _sleeps(gathered: Gathered) -> str:
     bounds = gathered.awakening.bounds
     most = max(bounds.values())
     rows = [
-        (f"<code>{escape(bound)}</code> {_BOUNDS.get(bound, '')}", _bar(count, most))
+        (f"<code>{html_text(bound)}</code> {_BOUNDS.get(bound, '')}", _bar(count, most))
         for bound, count in sorted(bounds.items(), key=lambda item: (-item[1], item[0]))
     ]
     return _table(("What set the sleep after it", "How often"), rows)

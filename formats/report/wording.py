@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from html import escape
 
+from ..log.escapes import html_text
 from ..log.found import Found, Stretches
 from ..log.ranking import badness
 from ..log.summary import PairSummary, Summary
@@ -17,7 +17,7 @@ _MOST_INTERVALS = 2
 
 def pair_name(pair: PairSummary) -> str:
     """Return both names as HTML, apart in whatever direction they are written."""
-    return f'<span class="pair"><bdi>{escape(pair["body_a"])}</bdi> | <bdi>{escape(pair["body_b"])}</bdi></span>'
+    return f'<span class="pair"><bdi>{html_text(pair["body_a"])}</bdi> | <bdi>{html_text(pair["body_b"])}</bdi></span>'
 
 
 def headline(summary: Summary) -> str:

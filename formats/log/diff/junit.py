@@ -6,6 +6,7 @@ import xml.etree.ElementTree as ElementTree
 from collections import defaultdict
 from pathlib import Path
 
+from ...scene.errors import printable
 from ..output import Output, published
 from .difference import Comparison, Difference
 from .wording import sentence
@@ -29,27 +30,26 @@ def junit(comparison: Comparison, golden: Path, new: Path) -> str:
     names = list(dict.fromkeys((*comparison.pairs, *by_case)))
     suite = ElementTree.Element(
         "testsuite",
-        name=f"closecall diff {golden.name} {new.name}",
+        name=printable(f"closecall diff {golden.name} {new.name}"),
         tests=str(len(names) + len(comparison.losses)),
         failures=str(len(by_case)),
         errors=str(len(comparison.losses)),
         skipped="0",
     )
     for name in names:
-        case = ElementTree.SubElement(suite, "testcase", classname=new.name, name=_printable(name or "the whole run"))
+        case = ElementTree.SubElement(
+            suite, "testcase", classname=printable(new.name), name=printable(name or "the whole run")
+        )
         if name in by_case:
-            lines = [_printable(sentence(one)) for one in by_case[name]]
+            lines = [printable(sentence(one)) for one in by_case[name]]
             cause = by_case[name][0].cause.label
             ElementTree.SubElement(case, "failure", type=cause, message=lines[0]).text = "\n".join(lines)
     for loss in comparison.losses:
-        case = ElementTree.SubElement(suite, "testcase", classname=new.name, name=f"{loss.path.name} is whole")
-        ElementTree.SubElement(case, "error", type="damaged", message=_printable(str(loss)))
+        case = ElementTree.SubElement(
+            suite, "testcase", classname=printable(new.name), name=printable(f"{loss.path.name} is whole")
+        )
+        ElementTree.SubElement(case, "error", type="damaged", message=printable(str(loss)))
     suites = ElementTree.Element("testsuites")
     suites.append(suite)
     ElementTree.indent(suites)
     return ElementTree.tostring(suites, encoding="unicode", xml_declaration=True) + "\n"
-
-
-def _printable(text: str) -> str:
-    """Return a text without the control characters that XML cannot hold."""
-    return "".join(one if one.isprintable() else "?" for one in text)
