@@ -21,7 +21,8 @@ WORDS = {
     "between": (*NAMES, "*", "*", "[a-z]*", "?*", "[!x]*"),
     "mesh": ("m", "n"),
     "name": ("home", "reach", "grip"),
-    "file": ("m.obj", "open.obj", "flat.obj", "path.csv", "path.tum", "turn.csv"),
+    "file": ("m.obj", "open.obj", "flat.obj", "path.csv", "path.tum", "turn.csv", "path.euroc", "path.kitti"),
+    "times": ("times.txt", "path.kitti"),
     "reason": ("bolted together", ""),
     "$schema": ("../closecall.schema.json",),
 }
@@ -73,6 +74,9 @@ def write_files(folder: Path) -> None:
     (folder / "path.csv").write_text("t,x,y,z\n0,0,0,0\n0.5,1,2,3\n2,0,0,0\n")
     (folder / "path.tum").write_text("0 0 0 0 0 0 0 1\n1e-3 1 1 1 0 0 0.6 0.8\n30 0 0 0 0 0 0 1\n")
     (folder / "turn.csv").write_text("t,x,y,z,roll,pitch,yaw\n0,0,0,0,0,0,0\n5,1e15,0,0,180,0,0\n")
+    (folder / "path.euroc").write_text("1000000000,0,0,0,1,0,0,0\n1000000000,0,0,9,1,0,0,0\n3000000000,1,1,1,0,1,0,0\n")
+    (folder / "path.kitti").write_text("1 0 0 0 0 1 0 0 0 0 1 0\n0 -1 0 0 1 0 0 0 0 0 1 0\n")
+    (folder / "times.txt").write_text("0.0\n30\n")
     (folder / "bad.csv").write_text("t,x,y,z\n0,0,0\n")
     (folder / "m.step").write_text("ISO-10303-21;\n")
 

@@ -143,7 +143,7 @@ def test_libyaml_and_the_pure_parser_tell_the_same(loader: object) -> None:
         ("a:b\nc: 1\n", "s.yaml:2:2: scene: ", ": is a space missing after a colon, or are quotes around text with"),
         ("a:\n  b: 1\n c: 1\n", "s.yaml:3:2: ", ": is the line indented as those above?"),
         (b"a: 1\nb: \xc3\xa9\xff", "s.yaml:2:5: scene: ", "the byte 0xFF is not UTF-8"),
-        ("a: 1".encode("utf-16"), "s.yaml:1:1: scene: ", "is not UTF-8"),
+        ("a: 1".encode("utf-16"), "s.yaml:1:1: scene: ", "the file is UTF-16 text, expected YAML or JSON in UTF-8"),
     ],
 )
 def test_what_yaml_may_not_hold_is_refused_where_it_stands(text: str | bytes, begin: str, phrase: str) -> None:

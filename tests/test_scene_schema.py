@@ -181,7 +181,7 @@ GOOD_MOTION = "{type: keyframes, keys: [{t: 0}, {t: 1}]}"
             MOTION + "{type: file, file: a.csv, layout: csv, max_gap: 1}",
             MOTION + "{type: file, file: a.csv, layout: csv, max_gap: 0}",
         ),
-        (MOTION + "{type: file, file: a.csv, layout: csv}", MOTION + "{type: file, file: a.csv, layout: kitti}"),
+        (MOTION + "{type: file, file: a.csv, layout: csv}", MOTION + "{type: file, file: a.csv, layout: ros}"),
         (
             HEAD + "bodies: {}\npairs: {margins: [{between: [a, b], margin: 1}]}",
             HEAD + "bodies: {}\npairs: {margins: [{between: [a, b]}]}",

@@ -66,7 +66,7 @@ class LoadedScene:
         settings: the file's own settings over the defaults; command-line options override them.
         mesh_files: in document order, by the mesh's name.
         warnings: one line each, located like errors.
-        trajectory_files: in document order, by the name of the body that moves so.
+        trajectory_files: in document order, by the name of the body that moves so; files of times by BODY/times.
         key_names: by body, the names of the keys it moves by; of its own, or of the nearest ancestor that has any.
     """
 

@@ -18,6 +18,7 @@ from .obj import read_obj
 from .off import read_off
 from .ply import read_ply
 from .shapes import frozen_mesh, scaled_mesh
+from .signatures import named_format
 from .stl import read_stl
 from .surface import MeshError, Surface, Topology, topology, used_only, welded
 from .units import metres_of
@@ -43,6 +44,9 @@ _READERS = {
     ".ply": read_ply,
     ".stl": read_stl,
 }
+_OWN_SIGNATURES = {".3mf": "a zip", ".glb": "glTF", ".ply": "PLY", ".stl": "STL"}
+"""A word of what `named_format` calls a file that is what its suffix says."""
+
 _SUFFIXES = ", ".join(list(_READERS)[:-1]) + f" or {list(_READERS)[-1]}"
 
 
@@ -125,15 +129,28 @@ def _content(path: Path) -> _Content | MeshError:
         if path.exists() and not path.is_file():
             return MeshError("expected a file")
         data = path.read_bytes()
-        surface = reader(data)
     except OSError as error:
         return MeshError(f"the file cannot be read: {error.strerror or error}")
+    try:
+        _refuse_mistaken(data, path.suffix.lower())
+        surface = reader(data)
     except MeshError as error:
         return error
     vertices = np.where(np.abs(surface.vertices) < SMALLEST_COORDINATE, 0.0, surface.vertices)
     vertices, triangles = welded(vertices, surface.triangles)
     joined = replace(surface, vertices=vertices, triangles=triangles)
     return _Content(joined, topology(vertices, triangles), hashlib.sha256(data).hexdigest())
+
+
+def _refuse_mistaken(data: bytes, suffix: str) -> None:
+    """Refuse a file that is of another format than its suffix says.
+
+    Raises:
+        MeshError: naming both.
+    """
+    named = named_format(data)
+    if named and (suffix not in _OWN_SIGNATURES or _OWN_SIGNATURES[suffix] not in named):
+        raise MeshError(f"the file is {named}, expected {suffix[1:].upper()}")
 
 
 def _mesh(name: str, reference: MeshReference, content: _Content) -> Mesh:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import math
+from collections.abc import Callable
+from decimal import Decimal
 from itertools import pairwise
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -22,7 +24,10 @@ from .loaded import InputFile, KeyNames
 from .names import name_problem, normal
 from .poses import placement, successive_turns
 from .trajectories import LARGEST_TRAJECTORY, Trajectory, TrajectoryError, read_trajectory
+from .trajectory_kitti import Clock, Stamps, read_stamps
 from .units import Scale, metres_of
+
+Content = TypeVar("Content", Trajectory, Stamps)
 
 _TRANSLATIONS = {"linear": Translation.LINEAR, "cubic": Translation.CUBIC, "step": Translation.STEP}
 
@@ -38,7 +43,7 @@ class PathReader:
     """Reads the paths of one scene.
 
     Attributes:
-        files: the trajectory files, by the body that moves so.
+        files: the trajectory files, by the body that moves so; files of times by BODY/times.
         key_names: the named keys, by the body that moves by them.
     """
 
@@ -78,12 +83,11 @@ class PathReader:
         """Return the path through a file's poses; Fixed, with the faults recorded, if anything is wrong."""
         where: Where = ("bodies", body, "motion")
         faults_before = len(self._findings.faults)
-        if part.layout == "tum" and part.units is not None:
-            self._findings.fault((*where, "units"), "the tum layout is in m, leave the key out")
+        self._check_layout(part, where)
         trajectory = self._read(part, body, where)
         if trajectory is None:
             return Fixed()
-        times = trajectory.times + part.t0
+        times = trajectory.times
         shown = printable(part.file)
         first, last = (_End((*where, "file"), f"{shown}:{trajectory.lines[place]}: ") for place in (0, -1))
         self._check_times(part, times, needed, (first, last), where)
@@ -91,31 +95,68 @@ class PathReader:
             return Fixed()
         for warning in trajectory.warnings:
             self._findings.warn((*where, "file"), f"{shown}: {warning}")
-        translations = metres_of(trajectory.translations, part.units or self._length_unit(part))
+        translations = metres_of(trajectory.translations, self._length_unit(part))
         return _path(part, times, translations, trajectory.quaternions, None)
 
     def _length_unit(self, part: FileMotion) -> str:
-        return "m" if part.layout == "tum" else self._scale.length_unit
+        return part.units or self._scale.length_unit if part.layout == "csv" else "m"
+
+    def _check_layout(self, part: FileMotion, where: Where) -> None:
+        """Record keys that a file's layout has no use for, or lacks."""
+        if part.layout != "csv" and part.units is not None:
+            self._findings.fault((*where, "units"), f"the {part.layout} layout is in m, leave the key out")
+        clocks = [key for key in ("times", "period") if getattr(part, key) is not None]
+        if part.layout == "kitti" and not clocks:
+            problem = "the kitti layout has no times, expected times (a file) or period (seconds from pose to pose)"
+            self._findings.fault((*where, "layout"), problem)
+        elif part.layout == "kitti" and len(clocks) > 1:
+            self._findings.fault((*where, "period"), "expected times or period, not both")
+        elif part.layout != "kitti" and clocks:
+            problem = f"the {part.layout} layout has times of its own, leave the key out"
+            self._findings.fault((*where, clocks[0]), problem)
 
     def _read(self, part: FileMotion, body: str, where: Where) -> Trajectory | None:
-        """Return what a trajectory file holds, its times from the origin that the scene wants."""
-        shown = printable(part.file)
+        """Return what a trajectory file holds, in the scene's time."""
+        clock = self._clock(part, body, (*where, "times")) if part.layout == "kitti" else None
+        if part.layout == "kitti" and clock is None:
+            return None
+
+        def read(data: bytes) -> Trajectory:
+            angle, unit = self._scale.angle(1.0), self._length_unit(part)
+            return read_trajectory(data, part.layout, part.max_gap, angle, part.duplicates, clock, unit)
+
+        trajectory = self._readable(part.file, normal(body), (*where, "file"), read, part.times)
+        return None if trajectory is None else trajectory.in_scene_time(part.time_origin, part.t0)
+
+    def _clock(self, part: FileMotion, body: str, where: Where) -> Clock | None:
+        """Return when the poses of a file without times are; None if that is not said, or has a fault."""
+        if part.times is not None:
+            return self._readable(part.times, f"{normal(body)}/times", where, read_stamps)
+        return None if part.period is None else Decimal(repr(part.period))
+
+    def _readable(
+        self, file: str, name: str, where: Where, read: Callable[[bytes], Content], times: str | None = None
+    ) -> Content | None:
+        """Return what a file holds, kept by a name among the scene's files; None, with the fault recorded, if none."""
         try:
-            path = self._folder.found(part.file)
+            path = self._folder.found(file)
             data = _file_bytes(path)
-            trajectory = read_trajectory(data, part.layout, part.max_gap, self._scale.angle(1.0))
+            content = read(data)
         except FolderError as error:
-            self._findings.fault((*where, "file"), error.message)
+            self._findings.fault(where, error.message)
             return None
         except OSError as error:
-            self._findings.fault((*where, "file"), f"{shown}: the file cannot be read: {error.strerror or error}")
+            problem = f"the file cannot be read: {error.strerror or error}"
+            self._findings.fault(where, f"{printable(file)}: {problem}")
             return None
         except TrajectoryError as error:
             line = "" if error.line is None else f":{error.line}"
-            self._findings.fault((*where, "file"), f"{shown}{line}: {error.message}")
+            if times is not None and error.of_times:
+                file, where = times, (*where[:-1], "times")
+            self._findings.fault(where, f"{printable(file)}{line}: {error.message}")
             return None
-        self.files.append(InputFile(normal(body), path, hashlib.sha256(data).hexdigest()))
-        return trajectory.shifted_to_first() if part.time_origin == "first" else trajectory
+        self.files.append(InputFile(name, path, hashlib.sha256(data).hexdigest()))
+        return content
 
     def _check_times(
         self, part: PathMotion, times: FloatArray, needed: Interval, ends: tuple[_End, _End], where: Where

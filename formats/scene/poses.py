@@ -119,14 +119,23 @@ def _from_matrix(matrix: FloatArray, where: Where, findings: Findings) -> Quater
     if fault:
         findings.fault(where, fault)
         return UNTURNED
-    left, _, right = np.linalg.svd(matrix[:3, :3])
+    return nearest_rotation(matrix[:3, :3])
+
+
+def nearest_rotation(matrix: FloatArray) -> Quaternion:
+    """Return the quaternion of the rotation nearest to a 3x3 matrix that is nearly one."""
+    left, _, right = np.linalg.svd(matrix)
     return _from_rotation(left @ right)
 
 
 def _matrix_fault(matrix: FloatArray) -> str:
-    rotation = matrix[:3, :3]
     if np.abs(matrix[3] - (0.0, 0.0, 0.0, 1.0)).max() > MATRIX_TOLERANCE:
         return "expected the last row 0, 0, 0, 1 (matrices are row-major)"
+    return rotation_fault(matrix[:3, :3])
+
+
+def rotation_fault(rotation: FloatArray) -> str:
+    """Return what keeps a 3x3 matrix from being a rotation within MATRIX_TOLERANCE; nothing if it is one."""
     if np.abs(rotation.T @ rotation - np.eye(3)).max() > MATRIX_TOLERANCE:
         return "expected a rotation, got a matrix that scales or shears"
     if abs(np.linalg.det(rotation) - 1.0) > MATRIX_TOLERANCE:
@@ -149,9 +158,13 @@ def _from_rotation(rotation: FloatArray) -> Quaternion:
     return w / length, x / length, y / length, z / length
 
 
-def successive_turns(quaternions: FloatArray) -> FloatArray:
-    """Return the angles (n - 1,) in rad, 0 to pi, from each of n unit quaternions (n, 4) to the next."""
-    one, other = quaternions[:-1], quaternions[1:]
+def turns_between(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Return the angles (n,) in rad, 0 to pi, from n unit quaternions (n, 4) to as many others."""
     near, far = np.linalg.norm(other - one, axis=1), np.linalg.norm(other + one, axis=1)
     angles: FloatArray = 4.0 * np.arctan2(np.minimum(near, far), np.maximum(near, far))
     return angles
+
+
+def successive_turns(quaternions: FloatArray) -> FloatArray:
+    """Return the angles (n - 1,) in rad, 0 to pi, from each of n unit quaternions (n, 4) to the next."""
+    return turns_between(quaternions[:-1], quaternions[1:])

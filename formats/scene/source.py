@@ -6,6 +6,7 @@ from pathlib import Path
 
 from .document import Document, refuse
 from .json_document import read_json
+from .signatures import named_format
 from .yaml_document import read_yaml
 
 
@@ -37,6 +38,9 @@ def read_document(data: bytes, file: str) -> Document:
 
 
 def _decoded(data: bytes, file: str) -> str:
+    named = named_format(data)
+    if named:
+        refuse(file, (1, 1), (), f"the file is {named}, expected YAML or JSON in UTF-8")
     try:
         return data.decode("utf-8").removeprefix("\ufeff")
     except UnicodeDecodeError as error:

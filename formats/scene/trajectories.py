@@ -1,11 +1,12 @@
-"""Trajectory files to poses at times: the layout of the TUM benchmark, and comma-separated values with a header."""
+"""Trajectory files to poses at times: the layouts of TUM, EuRoC and KITTI, and comma-separated values with a header."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from decimal import Context, Decimal
+from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 
@@ -13,9 +14,11 @@ from ...scheduler.scene import FloatArray, IntArray
 from .arrays import read_only
 from .errors import counted, quoted
 from .limits import AMBIGUOUS_TURN, LARGEST_DOCUMENT, QUATERNION_TOLERANCE, WIDE_TURN
-from .poses import successive_turns
+from .poses import nearest_rotation, rotation_fault, successive_turns, turns_between
 from .trajectory_csv import read_csv
-from .trajectory_table import Faults, Layout, Row, Table, TrajectoryError, read_table, text_lines
+from .trajectory_euroc import read_euroc
+from .trajectory_kitti import Clock, Stamps, read_kitti
+from .trajectory_table import Faults, Layout, Table, TrajectoryError, read_table, word_rows
 
 __all__ = ["LARGEST_TRAJECTORY", "Trajectory", "TrajectoryError", "read_trajectory"]
 
@@ -24,6 +27,12 @@ LARGEST_TRAJECTORY = 4 * LARGEST_DOCUMENT
 
 UNTOLD_UNIT_ERROR = 1e-6
 """How far the length of a quaternion may be from 1 without a warning. Normalising then turns it by nothing."""
+
+Duplicates = Literal["error", "first", "last"]
+"""What is done with poses at one time: refused, or the first or the last of them kept."""
+
+_QUATERNION = ("qw", "qx", "qy", "qz")
+_MATRIX = tuple(f"r{row}{column}" for row in range(3) for column in range(3))
 
 _EXACT = Context(prec=450)
 """Digits enough for sums of times: at most 16 before the point, 324 (the least float's) + LONGEST_TIME behind it."""
@@ -55,83 +64,125 @@ class Trajectory:
     exact_times: tuple[Decimal, ...]
     warnings: tuple[str, ...]
 
-    def shifted_to_first(self) -> Trajectory:
-        """Return the trajectory with its first pose at 0 s, every time the float64 nearest to the exact difference.
+    def only(self, kept: IntArray) -> Trajectory:
+        """Return the poses with these indices."""
+        return replace(
+            self,
+            times=read_only(self.times[kept]),
+            translations=read_only(self.translations[kept]),
+            quaternions=read_only(self.quaternions[kept]),
+            lines=read_only(self.lines[kept]),
+            exact_times=tuple(self.exact_times[index] for index in kept),
+        )
 
-        Times since 1970 are 2.4e-7 s apart in float64, so that differences of `times` are off by as much.
+    def in_scene_time(self, origin: Literal["first", "zero"], t0: float) -> Trajectory:
+        """Return the trajectory on the clock of which t0 (s) is its first pose's time, or its own clock's 0.
+
+        Every time is the float64 nearest to the exact sum: times since 1970 are 2.4e-7 s apart in float64, so that
+        differences of `times` are off by as much.
         """
-        first = self.exact_times[0]
-        exact_times = tuple(_EXACT.subtract(time, first) for time in self.exact_times)
+        shift = _EXACT.subtract(Decimal(t0), self.exact_times[0] if origin == "first" else 0)
+        if not shift:
+            return self
+        exact_times = tuple(_EXACT.add(time, shift) for time in self.exact_times)
         times: FloatArray = np.fromiter(map(float, exact_times), np.float64, len(exact_times))
         return replace(self, times=read_only(times), exact_times=exact_times)
 
 
 def read_trajectory(
-    data: bytes, layout: str, max_gap: float | None = None, radians_per_unit: float = 1.0
+    data: bytes,
+    layout: str,
+    max_gap: float | None = None,
+    radians_per_unit: float = 1.0,
+    duplicates: Duplicates = "error",
+    clock: Clock | None = None,
+    length_unit: str = "m",
 ) -> Trajectory:
     """Return what a trajectory file holds.
 
     Args:
         data: the file.
-        layout: `tum`, lines of `timestamp tx ty tz qx qy qz qw`; or `csv`, whose header names `t x y z` in any
-            order and, if the body turns, `qw qx qy qz` or `roll pitch yaw` (about fixed axes x, y, z in this order).
+        layout: `tum`, lines of `timestamp tx ty tz qx qy qz qw`; `euroc`, lines of `timestamp,x,y,z,qw,qx,qy,qz` in ns;
+            `kitti`, lines of 3x4 matrices; or `csv`, whose header names `t x y z` in any order and, if the body turns,
+            `qw qx qy qz` or `roll pitch yaw` (about fixed axes x, y, z in this order).
         max_gap: s, the longest time allowed between successive poses; None allows any.
         radians_per_unit: rad, the unit of roll, pitch and yaw.
+        duplicates: what is done with successive poses at one time.
+        clock: when the poses are, of kitti alone.
+        length_unit: of the file, for its warnings.
 
     Raises:
         TrajectoryError: the file has a fault; that nearest to its start is told, others are counted.
     """
     if len(data) > LARGEST_TRAJECTORY:
         raise TrajectoryError(f"the file has {len(data)} bytes, expected up to {LARGEST_TRAJECTORY}")
-    if layout == "csv":
-        table, header = read_csv(data)
-        rotation, warnings = header.rotation, header.warnings
-    elif layout == "tum":
-        table, rotation, warnings = _read_tum(data), ("qw", "qx", "qy", "qz"), ()
-    else:
-        raise ValueError(f"unknown layout {layout!r}")
+    table, rotation, warnings = _read_table(data, layout, clock)
     if len(table.lines) == 0:
         raise TrajectoryError("the file has no poses, expected at least one")
     faults = Faults()
-    _check_times(table, max_gap, faults)
+    time_faults = Faults(of_times=True) if isinstance(clock, Stamps) else faults
     quaternions, unit_errors = _quaternions(table, rotation, radians_per_unit, faults)
+    kept = _kept(table.exact_times, duplicates)
+    _check_times(table, clock.lines if isinstance(clock, Stamps) else table.lines, kept, max_gap, time_faults)
     faults.raise_any()
-    return Trajectory(
-        times=read_only(table.numbers[:, 0].copy()),
-        translations=read_only(table.numbers[:, 1:4].copy()),
-        quaternions=read_only(quaternions),
-        lines=read_only(table.lines),
+    time_faults.raise_any()
+    poses = Trajectory(
+        times=table.numbers[:, 0],
+        translations=table.numbers[:, 1:4],
+        quaternions=quaternions,
+        lines=table.lines,
         exact_times=table.exact_times,
-        warnings=(*warnings, *_of_units(unit_errors, table.lines), *_of_turns(quaternions, table.lines)),
+        warnings=(*warnings, *_of_units(unit_errors, table.lines)),
     )
+    of_duplicates = _of_duplicates(poses, kept, duplicates, length_unit)
+    poses = poses.only(kept)
+    return replace(poses, warnings=(*poses.warnings, *of_duplicates, *_of_turns(poses.quaternions, poses.lines)))
+
+
+def _read_table(data: bytes, layout: str, clock: Clock | None) -> tuple[Table, tuple[str, ...], tuple[str, ...]]:
+    """Return the rows of a file: time, place and rotation; how the rotation is written; and warnings."""
+    if layout == "csv":
+        table, header = read_csv(data)
+        return table, header.rotation, header.warnings
+    if layout == "tum":
+        return _read_tum(data), _QUATERNION, ()
+    if layout == "euroc":
+        return read_euroc(data), _QUATERNION, ()
+    if layout == "kitti" and clock is not None:
+        return read_kitti(data, clock), _MATRIX, ()
+    raise ValueError(f"unknown layout {layout!r}, or no clock for it")
 
 
 def _read_tum(data: bytes) -> Table:
     faults = Faults()
-    table = read_table(_tum_rows(data), _TUM, faults)
+    table = read_table(word_rows(data), _TUM, faults)
     faults.raise_any()
     return table
 
 
-def _tum_rows(data: bytes) -> Iterator[Row]:
-    for line, text in enumerate(text_lines(data), start=1):
-        cells = (text[: text.index("#")] if "#" in text else text).split()
-        if cells:
-            yield line, cells
+def _kept(times: tuple[Decimal, ...], duplicates: Duplicates) -> IntArray:
+    """Return which poses are kept of those at successive times (s): of equal ones the first or the last, or all."""
+    changes = np.array([before != after for before, after in pairwise(times)], dtype=bool)
+    all_kept = np.ones(len(times), dtype=bool)
+    if duplicates == "first":
+        all_kept[1:] = changes
+    elif duplicates == "last":
+        all_kept[:-1] = changes
+    return np.flatnonzero(all_kept)
 
 
-def _check_times(table: Table, max_gap: float | None, faults: Faults) -> None:
-    """Record where times do not increase, are too near to be told apart, or leave a gap."""
-    times, lines, exact = table.numbers[:, 0], table.lines.tolist(), table.exact_times
+def _check_times(table: Table, lines_of_times: IntArray, kept: IntArray, max_gap: float | None, faults: Faults) -> None:
+    """Record where the times of the poses kept do not increase, are too near to be told apart, or leave a gap."""
+    times, lines = table.numbers[kept, 0], lines_of_times[kept].tolist()
+    exact = [table.exact_times[index] for index in kept]
     steps = np.diff(times)
     fuzz = 4.0 * float(np.spacing(2.0 * np.abs(times).max()))
     for i in np.flatnonzero(steps <= fuzz).tolist():
         before, after = exact[i], exact[i + 1]
         if after == before:
             shown = quoted(float(after))
-            faults.add(
-                lines[i + 1], f"lines {lines[i]} and {lines[i + 1]} are both at {shown} s, expected one pose at a time"
-            )
+            problem = f"lines {lines[i]} and {lines[i + 1]} are both at {shown} s, expected one pose at a time"
+            faults.add(lines[i + 1], f"{problem}, or duplicates: first or last")
         elif after < before:
             problem = f"expected a time after that of line {lines[i]}"
             faults.add(lines[i + 1], f"{problem} ({quoted(float(before))} s), got {quoted(float(after))} s")
@@ -163,12 +214,23 @@ def _quaternions(
     if len(rotation) == 3:
         quaternions = _of_fixed_axes(table.numbers[:, 4:] * radians_per_unit)
         return quaternions / np.linalg.norm(quaternions, axis=1, keepdims=True), np.zeros(count)
+    if len(rotation) == 9:
+        return _of_matrices(table.numbers[:, 4:].reshape(-1, 3, 3), table.lines, faults), np.zeros(count)
     lengths: FloatArray = np.linalg.norm(table.numbers[:, 4:], axis=1)
     errors: FloatArray = np.abs(lengths - 1.0)
     for i in np.flatnonzero(errors > QUATERNION_TOLERANCE).tolist():
         problem = f"expected a unit quaternion, got one of length {quoted(float(lengths[i]))}"
         faults.add(int(table.lines[i]), problem)
     return table.numbers[:, 4:] / np.where(lengths > 0.0, lengths, 1.0)[:, None], errors
+
+
+def _of_matrices(matrices: FloatArray, lines: IntArray, faults: Faults) -> FloatArray:
+    """Return the quaternions (n, 4) of the rotations nearest to (n, 3, 3) matrices."""
+    for line, matrix in zip(lines.tolist(), matrices, strict=True):
+        problem = rotation_fault(matrix)
+        if problem:
+            faults.add(line, problem)
+    return np.array([nearest_rotation(matrix) for matrix in matrices])
 
 
 def _of_fixed_axes(angles: FloatArray) -> FloatArray:
@@ -182,6 +244,19 @@ def _of_fixed_axes(angles: FloatArray) -> FloatArray:
             cr * cp * sy - sr * sp * cy,
         )
     )
+
+
+def _of_duplicates(poses: Trajectory, kept: IntArray, duplicates: Duplicates, unit: str) -> tuple[str, ...]:
+    """Return the warning of poses that are left out for others at their times, and of how far they are from those."""
+    left_out = np.setdiff1d(np.arange(len(poses.lines)), kept)
+    if not len(left_out):
+        return ()
+    instead = kept[np.searchsorted(kept, left_out) - (duplicates == "first")]
+    apart = float(np.linalg.norm(poses.translations[left_out] - poses.translations[instead], axis=1).max())
+    turned = math.degrees(turns_between(poses.quaternions[left_out], poses.quaternions[instead]).max())
+    text = f"has {counted(len(left_out), 'pose')} at the time of another, first in line {poses.lines[left_out[0]]}"
+    difference = f"they differ by up to {apart:.3g} {unit} and {turned:.3g} degrees"
+    return (f"{text}: the {duplicates} of each is taken, {difference}",)
 
 
 def _of_units(errors: FloatArray, lines: IntArray) -> tuple[str, ...]:

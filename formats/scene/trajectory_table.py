@@ -15,6 +15,7 @@ import numpy as np
 from ...scheduler.scene import FloatArray, IntArray
 from .errors import quoted
 from .limits import LARGEST_NUMBER
+from .signatures import named_format
 
 LONGEST_TIME = 100
 """Characters. A longer time is refused: exact differences would take space and time without end."""
@@ -32,19 +33,25 @@ Row = tuple[int, Sequence[str]]
 
 
 class TrajectoryError(Exception):
-    """A trajectory file that cannot be used: what is wrong first, in which line if in one, and how much more is."""
+    """A trajectory file that cannot be used: what is wrong first, in which line if in one, and how much more is.
 
-    def __init__(self, message: str, line: int | None = None) -> None:
+    Attributes:
+        of_times: whether the fault lies in the file of times that goes with it.
+    """
+
+    def __init__(self, message: str, line: int | None = None, of_times: bool = False) -> None:
         super().__init__(message)
         self.message = message
         self.line = line
+        self.of_times = of_times
 
 
 class Faults:
     """The faults found so far: the one nearest to the file's start, and how many there are."""
 
-    def __init__(self) -> None:
+    def __init__(self, of_times: bool = False) -> None:
         self.count = 0
+        self._of_times = of_times
         self._message = ""
         self._line = 0
 
@@ -62,7 +69,7 @@ class Faults:
         """
         if self.count:
             more = f" (and {self.count - 1} more)" if self.count > 1 else ""
-            raise TrajectoryError(self._message + more, self._line)
+            raise TrajectoryError(self._message + more, self._line, self._of_times)
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,8 +106,11 @@ def text_lines(data: bytes) -> Iterator[str]:
     r"""Yield the lines of UTF-8 text with their ends as "\n", without a byte order mark.
 
     Raises:
-        TrajectoryError: at a byte that is none of UTF-8.
+        TrajectoryError: at a byte that is none of UTF-8, or of a file of another format, which it names.
     """
+    named = named_format(data)
+    if named:
+        raise TrajectoryError(f"the file is {named}, expected UTF-8 text")
     try:
         yield from io.TextIOWrapper(io.BytesIO(data), encoding="utf-8-sig", newline=None)
     except UnicodeDecodeError:
@@ -119,10 +129,22 @@ def _undecodable(data: bytes) -> int:
     return 0
 
 
+def word_rows(data: bytes) -> Iterator[Row]:
+    """Yield the lines of UTF-8 text that have words before a `#`, and these.
+
+    Raises:
+        TrajectoryError: at a byte that is none of UTF-8.
+    """
+    for line, text in enumerate(text_lines(data), start=1):
+        cells = (text[: text.index("#")] if "#" in text else text).split()
+        if cells:
+            yield line, cells
+
+
 def read_table(rows: Iterable[Row], layout: Layout, faults: Faults) -> Table:
     """Return the numbers of all rows; where there are faults, they stand in `faults` and 0 in the table."""
     count = len(layout.columns)
-    pick = itemgetter(*(cell for cell, _ in layout.columns))
+    pick = itemgetter(*(cell for cell, _ in layout.columns)) if count > 1 else tuple
     numbers: list[FloatArray] = [np.empty((0, count))]
     exact_times: list[Decimal] = []
     lines: list[int] = []

@@ -27,7 +27,6 @@ _NUMBER_OR: dict[tuple[int | str, ...], str] = {
 }
 """Where another value than a number may stand, by the end of pydantic's `loc`."""
 
-LATER = "not supported by this version"
 FORMAT_VERSION = 1
 
 
@@ -141,10 +140,7 @@ def _wrong_shape(where: Where, got: dict[str, Any]) -> tuple[Where, str, Where |
 
 
 def _wrong_word(loc: tuple[int | str, ...], got: Any) -> str:
-    _, owner = _followed(loc[:-1])
     _, annotation = _followed(loc)
-    if isinstance(got, str) and got in getattr(owner, "later_values", {}).get(loc[-1], ()):
-        return f"{quoted(got)} is {LATER}"
     words = [str(word) for word in get_args(annotation)]
     return f"expected {_one_of(words)}, got {quoted(got)}{suggestion(got, words)}"
 

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from .draw import Draw
+from .draw_files import in_another_layout
 from .rigid import METRES, FloatArray
 from .sampling import TICK
 
@@ -206,7 +207,7 @@ def file(draw: Draw, reach: float) -> Spec:
             out["units"] = unit
         lines = csv_lines(draw, times, [(place / METRES[unit], rotation) for place, rotation in poses])
     (draw.folder / out["file"]).write_text("\n".join(lines) + "\n", encoding="utf-8")
-    return out
+    return in_another_layout(draw, out, clocks, poses)
 
 
 def csv_lines(draw: Draw, times: list[str], poses: list[tuple[FloatArray, Rotation]]) -> list[str]:

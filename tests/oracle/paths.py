@@ -150,16 +150,22 @@ def path_of(spec: Spec, units: Units, folder: Path) -> KeyPath:
 
 
 def read_trajectory(spec: Spec, units: Units, folder: Path) -> tuple[FloatArray, FloatArray]:
-    """Return times (n,) s and poses (n, 4, 4) m of a tum or csv file; times count from where `time_origin` says."""
+    """Return times (n,) s and poses (n, 4, 4) m of a file; times count from where `time_origin` says."""
     lines = [line for line in (folder / spec["file"]).read_text(encoding="utf-8").splitlines() if line.strip()]
     lines = [line for line in lines if not line.startswith("#")]
-    if spec["layout"] == "tum":
-        names = ["t", "x", "y", "z", "qx", "qy", "qz", "qw"]
-        rows = [dict(zip(names, line.split(), strict=True)) for line in lines]
-        metres = 1.0
-    else:
-        rows = list(csv.DictReader(lines))
+    if spec["layout"] == "csv":
+        rows: list[dict[str, Any]] = list(csv.DictReader(lines))
         metres = METRES[spec["units"]] if "units" in spec else units.metres
+    else:
+        rows = {"tum": tum_rows, "euroc": euroc_rows, "kitti": kitti_rows}[spec["layout"]](lines)
+        metres = 1.0
+    if "times" in spec:
+        for row, time in zip(rows, (folder / spec["times"]).read_text(encoding="utf-8").split(), strict=True):
+            row["t"] = time
+    if "period" in spec:
+        for number, row in enumerate(rows):
+            row["t"] = Decimal(repr(spec["period"])) * number
+    rows = without_duplicates(rows, spec.get("duplicates", "error"))
     clocks = [Decimal(row["t"]) for row in rows]
     origin = clocks[0] if spec.get("time_origin", "first") == "first" else Decimal(0)
     times = np.array([float(clock - origin) for clock in clocks])
@@ -167,8 +173,38 @@ def read_trajectory(spec: Spec, units: Units, folder: Path) -> tuple[FloatArray,
     return times, poses
 
 
-def row_pose(row: Mapping[str, str]) -> dict[str, Any]:
+def tum_rows(lines: list[str]) -> list[dict[str, Any]]:
+    names = ["t", "x", "y", "z", "qx", "qy", "qz", "qw"]
+    return [dict(zip(names, line.split(), strict=True)) for line in lines]
+
+
+def euroc_rows(lines: list[str]) -> list[dict[str, Any]]:
+    """Return the rows of a euroc file, their times in s."""
+    names = ["t", "x", "y", "z", "qw", "qx", "qy", "qz"]
+    rows = [dict(zip(names, line.split(","), strict=False)) for line in lines if not line.startswith("timestamp")]
+    return [row | {"t": Decimal(row["t"]) / 10**9} for row in rows]
+
+
+def kitti_rows(lines: list[str]) -> list[dict[str, Any]]:
+    """Return the 4x4 matrices of a kitti file."""
+    matrices = numbers([line.split() for line in lines]).reshape(-1, 3, 4)
+    return [{"matrix": [*matrix.tolist(), [0.0, 0.0, 0.0, 1.0]]} for matrix in matrices]
+
+
+def without_duplicates(rows: list[dict[str, Any]], duplicates: str) -> list[dict[str, Any]]:
+    """Return the first or the last of the rows at each time."""
+    at_time: dict[Decimal, list[dict[str, Any]]] = {}
+    for row in rows:
+        at_time.setdefault(Decimal(row["t"]), []).append(row)
+    if duplicates == "error" and len(at_time) < len(rows):
+        raise ValueError("two poses at one time")
+    return [same[-1 if duplicates == "last" else 0] for same in at_time.values()]
+
+
+def row_pose(row: Mapping[str, Any]) -> dict[str, Any]:
     """Return a row of a trajectory as a scene file would write its pose."""
+    if "matrix" in row:
+        return {"matrix": row["matrix"]}
     pose: dict[str, Any] = {"xyz": [float(row[key]) for key in "xyz"]}
     if "qw" in row:
         pose["quat_wxyz"] = [float(row[key]) for key in ("qw", "qx", "qy", "qz")]

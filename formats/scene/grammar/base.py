@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
@@ -25,11 +25,6 @@ ORIGIN: Vector = (0.0, 0.0, 0.0)
 
 
 class Part(BaseModel):
-    """A mapping of the scene file.
-
-    Attributes:
-        later_values: by key, values of the format that this version does not read yet.
-    """
+    """A mapping of the scene file."""
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
-    later_values: ClassVar[dict[str, frozenset[str]]] = {}

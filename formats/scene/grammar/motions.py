@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag
 
@@ -13,22 +13,33 @@ from .poses import Pose
 class MotionPart(Part):
     """A motion in the frame world_from_parent * pose."""
 
-    t0: Number = Field(default=0.0, description="Seconds: the motion's own time is the scene's less this.")
+    t0: Number = Field(
+        default=0.0,
+        description="Seconds: the motion's own time is the scene's less this; its t = 0 is at scene time t0.",
+    )
 
 
 class ConstantMotion(MotionPart):
-    """translate(velocity t) * rotate(angular_velocity t)."""
+    """translate(velocity t) * rotate(angular_velocity t), both along the axes of the rest frame, which do not turn."""
 
     type: Literal["constant"] = Field(description="The law of the motion.")
-    velocity: Vector = Field(default=ORIGIN, description="Length unit per second.")
+    velocity: Vector = Field(
+        default=ORIGIN,
+        description="Length unit per second, along the axes of the rest frame (the body's pose in its parent), "
+        "which do not turn with the body.",
+    )
     angular_velocity: Vector = Field(default=ORIGIN, description="Rotation vector, angle unit per second.")
 
 
 class BallisticMotion(MotionPart):
-    """translate(velocity t + acceleration t^2 / 2) * rotate(angular_velocity t)."""
+    """translate(velocity t + acceleration t^2 / 2) * rotate(angular_velocity t), all along the rest frame's axes."""
 
     type: Literal["ballistic"] = Field(description="The law of the motion.")
-    velocity: Vector = Field(default=ORIGIN, description="At t = 0, length unit per second.")
+    velocity: Vector = Field(
+        default=ORIGIN,
+        description="At t = 0, length unit per second, along the axes of the rest frame (the body's pose in its "
+        "parent), which do not turn with the body.",
+    )
     acceleration: Vector = Field(default=ORIGIN, description="Length unit per second squared.")
     angular_velocity: Vector = Field(default=ORIGIN, description="Rotation vector, angle unit per second.")
 
@@ -106,7 +117,8 @@ class Key(Pose):
     name: str | None = Field(default=None, description="Quoted when something happens beside this key. Default: none.")
     velocity: Vector | None = Field(
         default=None,
-        description="For cubic translation, length unit per second: at every key, or at none. Default: Catmull-Rom.",
+        description="For cubic translation, length unit per second, along the axes in which xyz is given (the rest "
+        "frame's, which do not turn with the body): at every key, or at none. Default: Catmull-Rom.",
     )
 
 
@@ -141,17 +153,36 @@ class KeyframesMotion(PathMotion):
 
 
 class FileMotion(PathMotion):
-    """Poses at given times, from a file. What is certified is the path interpolated between them."""
+    """Poses at given times, from a file. What is certified is the path interpolated between them.
 
-    later_values: ClassVar[dict[str, frozenset[str]]] = {"layout": frozenset({"euroc", "kitti"})}
+    Lines of text in UTF-8; what follows a # is a remark. Poses map the body's coordinates into those of its rest frame.
+    """
+
     type: Literal["file"] = Field(description="The law of the motion.")
     file: str = Field(min_length=1, description="Relative to the scene file.")
-    layout: Literal["tum", "csv"] = Field(
-        description="tum: lines of t x y z qx qy qz qw, in m. csv: a header names t, x, y, z and a rotation's columns."
+    layout: Literal["tum", "euroc", "kitti", "csv"] = Field(
+        description="tum: lines of t x y z qx qy qz qw, in s and m. euroc: lines of t,x,y,z,qw,qx,qy,qz, in whole "
+        "ns and m; further columns are left out. kitti: 12 numbers a line, a 3x4 matrix by rows, in m; it has no "
+        "times, see times and period. csv: a header names t, x, y, z, and qw, qx, qy, qz or roll, pitch, yaw (turns "
+        "about the fixed axes x, then y, then z, in this file's angle unit), in any order; without either the body "
+        "does not turn."
+    )
+    times: str | None = Field(
+        default=None,
+        min_length=1,
+        description="Of kitti: a file with the time of each pose, one in s a line. Default: none.",
+    )
+    period: Size | None = Field(
+        default=None,
+        description="Of kitti, instead of times: seconds from pose to pose, the first at 0. Default: none.",
     )
     units: LengthUnit | None = Field(default=None, description="Of the lengths in a csv file. Default: this file's.")
     time_origin: Literal["first", "zero"] = Field(
         default="first", description="Whether t = 0 is the first pose's time, or the file's own 0."
+    )
+    duplicates: Literal["error", "first", "last"] = Field(
+        default="error",
+        description="Of successive poses at one time: refused, or the first or the last of them taken, with a warning.",
     )
     max_gap: Size | None = Field(
         default=None, description="Seconds: longer gaps between two poses are refused. Default: any gap."
