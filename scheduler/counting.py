@@ -47,7 +47,7 @@ def _sharing_time(scene: Scene, bodies: IntArray) -> PairCounts:
     times = np.array([scene.shared_time(index, index) for index in bodies.tolist()]).reshape(-1, 2)
     there = times[:, 0] < times[:, 1]
     bodies, times = bodies[there], times[there]
-    kinds, kind_of, allowed = _kinds(scene.rules, bodies)
+    kinds, kind_of, allowed = kinds_of(scene.rules, bodies)
     members = [times[kind_of == kind] for kind in range(kinds)]
     counts = {True: 0, False: 0}
     for one in range(kinds):
@@ -57,7 +57,7 @@ def _sharing_time(scene: Scene, bodies: IntArray) -> PairCounts:
     return PairCounts(counts[True], counts[False])
 
 
-def _kinds(rules: PairRules, bodies: IntArray) -> tuple[int, IntArray, NDArray[np.bool_]]:
+def kinds_of(rules: PairRules, bodies: IntArray) -> tuple[int, IntArray, NDArray[np.bool_]]:
     """Return how many kinds of bodies the rules tell apart, each body's, and which two kinds' pairs are checked."""
     sets = [*rules.checked, *rules.ignored]
     sides = [side for pairs in sets for side in (pairs.one, pairs.other)]

@@ -56,8 +56,10 @@ class BoxGrid:
 
     def meet(self, one: IntArray, other: IntArray) -> NDArray[np.bool_]:
         """Tell of pairs of boxes whether they have a point in common; those that have not come do not."""
-        overlap = (self.low[one] <= self.high[other]) & (self.low[other] <= self.high[one])
-        return np.asarray(overlap.all(axis=1))
+        meet = np.ones(len(one), dtype=bool)
+        for low, high in zip(self.low.T, self.high.T, strict=True):  # a column at a time, which is quicker
+            meet &= (low[one] <= high[other]) & (low[other] <= high[one])
+        return meet
 
     def meeting(self, boxes: IntArray) -> Couples:
         """Return all pairs of a box of `boxes`, each named once, and any other that it meets, each pair once."""

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from heapq import nsmallest
+from bisect import insort
+from math import inf
 
 import numpy as np
+from numpy.typing import NDArray
 
+from .counting import kinds_of
 from .events import Collision, Nearness, Snapshot
 from .extent import body_extents
 from .grid import BoxGrid
@@ -45,6 +48,8 @@ class CrowdObserver:
         self._radii = np.array([extents[k].ball.radius for k in sorted(extents)])
         sides = [(place, pairing.sides.of(body, None)) for place, body in enumerate(self._solid.tolist())]
         self._unknown = [(place, side) for place, side in sides if side.unknown]
+        _, self._kinds, self._allowed = kinds_of(self._scene.rules, self._solid)
+        self._asking = _asking(self._kinds, self._allowed)
         self._usual = float(np.median(self._radii))
         self._reach = self._usual  # m: how far apart the balls of pairs are that are looked at
         self._pairs: dict[int, Pair | None] = {}
@@ -54,12 +59,12 @@ class CrowdObserver:
         there = alive(self._lifetimes, self._scene.end, time)
         met = sorted(pair for pair in touching if all(there[list(self._bodies_of(pair))]))
         if occasion is None:
-            search = _Search(time, self._poses.at(time), touching)
+            search = _Search(time, self._poses.at(time), touching, self._most_pairs)
             nearest = self._nearest(search, met, np.flatnonzero(there[self._solid]))
         else:
             met = sorted({*met, occasion.pair.id})  # it may be the last that its pair does
             told = met[: self._most_pairs]
-            search = _Search(time, self._placed(time, [occasion.pair.id, *told]), touching)
+            search = _Search(time, self._placed(time, [occasion.pair.id, *told]), touching, self._most_pairs)
             nearest = [near for pair in told if (near := self._measured(pair, search)) is not None]
         return Snapshot(time, search.poses, there, tuple(nearest), len(met), occasion)
 
@@ -74,25 +79,24 @@ class CrowdObserver:
         whole = float(np.linalg.norm(np.ptp(centres, axis=0)) + 2.0 * radii.max())
         while True:
             for pair, gap in self._gaps(solid, centres, radii):
-                found = search.nearest(self._most_pairs)
-                if len(met) >= self._most_pairs or (len(found) == self._most_pairs and gap > found[-1].distance):
+                if len(met) >= self._most_pairs or gap > search.farthest:
                     break
                 self._measured(pair, search)
-            found = search.nearest(self._most_pairs)
-            enough = len(found) == self._most_pairs
-            if self._reach >= whole or (enough and found[-1].distance <= self._reach):
+            if self._reach >= whole or search.farthest <= self._reach:
                 break
             self._reach *= _FARTHER
-        if enough:
-            self._reach = max(found[-1].distance, self._usual)
-        return found
+        if search.farthest < inf:
+            self._reach = max(search.farthest, self._usual)
+        return search.nearest
 
     def _gaps(self, solid: IntArray, centres: FloatArray, radii: FloatArray) -> list[tuple[int, float]]:
-        """Return the pairs of bodies that may part and whose balls are within reach, by their gap (m)."""
+        """Return the pairs of bodies that the rules allow, that may part and whose balls are in reach, by gap (m)."""
         grid = BoxGrid(len(radii))
         halves = (radii[solid] + 0.5 * self._reach)[:, None]
         grid.put(solid, centres[solid] - halves, centres[solid] + halves)
-        one, other = grid.meeting(solid)
+        one, other = grid.meeting(solid[self._asking[solid]])
+        wanted = self._allowed[self._kinds[one], self._kinds[other]]
+        one, other = one[wanted], other[wanted]
         gaps = np.linalg.norm(centres[one] - centres[other], axis=1) - radii[one] - radii[other]
         first, second = self._solid[np.minimum(one, other)], self._solid[np.maximum(one, other)]
         part = self._anchors[first] != self._anchors[second]
@@ -118,7 +122,7 @@ class CrowdObserver:
             near = None
             if pair is not None:
                 near = measured(pair, search.time, search.poses, search.touching, self._pairing.narrow_phase)
-            search.known[number] = near
+            search.add(number, near)
         return search.known[number]
 
     def _placed(self, time: float, pairs: list[int]) -> FloatArray:
@@ -143,14 +147,42 @@ class _Search:
 
     Attributes:
         known: by pair id; None of a pair that is not to be checked.
+        nearest: the nearest of them, ties by pair id, so many at most.
     """
 
-    def __init__(self, time: float, poses: FloatArray, touching: frozenset[int]) -> None:
+    def __init__(self, time: float, poses: FloatArray, touching: frozenset[int], most: int) -> None:
         self.time = time
         self.poses = poses
         self.touching = touching
         self.known: dict[int, Nearness | None] = {}
+        self.nearest: list[Nearness] = []
+        self._most = most
 
-    def nearest(self, most: int) -> list[Nearness]:
-        """Return the nearest pairs measured, ties by pair id, so many at most."""
-        return nsmallest(most, filter(None, self.known.values()), key=lambda near: (near.distance, near.pair.id))
+    @property
+    def farthest(self) -> float:
+        """The distance (m) beyond which no other pair is among the nearest; inf while they are too few."""
+        return self.nearest[-1].distance if len(self.nearest) == self._most else inf
+
+    def add(self, number: int, near: Nearness | None) -> None:
+        """Take in what was measured of a pair."""
+        self.known[number] = near
+        if near is not None:
+            insort(self.nearest, near, key=lambda near: (near.distance, near.pair.id))
+            del self.nearest[self._most :]
+
+
+def _asking(kinds: IntArray, allowed: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Tell which bodies (n,) ask for those near them: of every pair that is allowed, one at least.
+
+    The others are of kinds that ignore each other, the largest first: those are never looked at among themselves.
+
+    Args:
+        kinds: (n,) of the bodies.
+        allowed: (k, k) whose pairs are checked.
+    """
+    silent: list[int] = []
+    for kind in np.argsort(-np.bincount(kinds, minlength=len(allowed)), kind="stable").tolist():
+        if not allowed[kind, [*silent, kind]].any():
+            silent.append(kind)
+    asking: NDArray[np.bool_] = ~np.isin(kinds, silent)
+    return asking

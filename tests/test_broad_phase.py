@@ -290,5 +290,39 @@ def test_a_crowds_nearest_pairs_are_those_of_all_its_pairs(seed: int) -> None:
         assert [rounded(near) for near in one.nearest] == [rounded(near) for near in other.nearest]
 
 
+@pytest.mark.parametrize("alone", [False, True])
+def test_a_picture_looks_at_no_more_pairs_for_bodies_that_ignore_each_other(alone: bool) -> None:
+    chips = range(3, 3 + 60)  # a heap of them, all within reach of each other
+    rng = np.random.default_rng(1)
+    places = [(0.0, 0.0, 0.0), (3.0, 0.0, 0.0), (6.0, 0.0, 0.0), *rng.uniform(-1.0, 1.0, (60, 3))]
+    motion = Constant((0.1, 0.0, 0.0), (0.0, 0.0, 0.0))
+    bodies = tuple(Body(str(i), None, at(place), motion, (box(0.1, 0.1, 0.1),)) for i, place in enumerate(places))
+    tools, heap = frozenset({0, 1, 2}), frozenset(chips)
+    checked = (PairSet(tools, tools),) if alone else (PairSet(tools, tools), PairSet(frozenset({0}), heap))
+    scene = Scene(bodies, 0.0, END, PairRules(checked=checked, default=False))
+    narrow_phase = NarrowPhase(bodies)
+    pairing = Pairing(scene, narrow_phase, 0.0)
+    asked: list[tuple[int, int]] = []
+    pairing.pair = lambda a, b: asked.append((a, b)) or Pairing.pair(pairing, a, b)  # type: ignore[method-assign]
+    crowd, every = CrowdObserver(pairing, 10), Observer(scene, list(Pairing.all(pairing)), 10, narrow_phase)
+    asked.clear()
+    one, other = crowd.at(1.0, frozenset()), every.at(1.0, frozenset())
+    assert [rounded(near) for near in one.nearest] == [rounded(near) for near in other.nearest]
+    assert all(scene.rules.allow(a, b) for a, b in asked)
+    assert len(asked) <= (3 if alone else 63)
+
+
+def test_bodies_are_placed_together_where_each_motion_places_its_own() -> None:
+    scene = random_scene(5)
+    flight = Ballistic((1.0, -2.0, 0.5), (0.0, 0.0, -9.81), (0.0, 0.0, 0.0))
+    flying = (replace(body, motion=flight) if index % 3 else body for index, body in enumerate(scene.bodies))
+    scene = replace(scene, bodies=tuple(flying))
+    for time in np.linspace(-1.0, END, 5).tolist():
+        placed = WorldPoses(scene.bodies).at(time)
+        for index, body in enumerate(scene.bodies):
+            above = np.eye(4) if body.parent is None else placed[body.parent]
+            assert np.allclose(placed[index], above @ body.pose @ body.motion.pose(time), rtol=0.0, atol=1e-14)
+
+
 def rounded(near: Nearness) -> tuple[int, float, Verdict]:
     return near.pair.id, round(near.distance, 9), near.verdict

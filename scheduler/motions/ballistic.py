@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import hypot, sqrt
 
-from ..rotation import FloatArray, chord, transform, turn
+from ..rotation import IDENTITY, FloatArray, chord, transform, turn
 from ..vector import ZERO, Vector, add, dot, norm, scale, subtract, unit
 from .base import Axis, Interval, Rates, Reach, Smooth, farthest_from_zero
 from .spread import STILL
@@ -24,10 +24,17 @@ class Ballistic(Smooth):
         """The spin axis, through the origin."""
         return Axis(ZERO, unit(self.angular_velocity))
 
+    @property
+    def turns(self) -> bool:
+        """Whether it spins."""
+        return self.angular_velocity != ZERO
+
     def pose(self, t: float) -> FloatArray:
         """Return rest_from_moved, 4x4."""
-        spin = norm(self.angular_velocity)
         path = add(scale(t, self.velocity), scale(0.5 * t * t, self.acceleration))
+        if not self.turns:
+            return transform(IDENTITY, path)
+        spin = norm(self.angular_velocity)
         return transform(turn(unit(self.angular_velocity), spin * t), path)
 
     def displacement(self, t: float, duration: float, reach: Reach) -> float:
