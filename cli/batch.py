@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import click
-from rich.table import Table
 
 from ..formats.log.errors import LogError
 from ..formats.log.ranking import VERDICTS
@@ -17,7 +16,7 @@ from ..formats.scene.errors import SceneError
 from .faults import WorkerError, faults_reported, report
 from .job import Result, run_job
 from .options import RunOptions
-from .show import STYLES, console_for, print_json, print_warnings
+from .show import STYLES, console_for, print_json, print_rows, print_warnings
 from .terminal import cell
 
 
@@ -77,9 +76,7 @@ def _run_one(scene: Path, log: Path, options: RunOptions) -> Outcome:
 
 def _print_table(outcomes: Sequence[Outcome]) -> None:
     """Print a row a scene."""
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for column in ("scene", "worst", "pairs", "log"):
-        table.add_column(column, overflow="fold")
+    rows = []
     for outcome in outcomes:
         worst, found = "failed", "told on stderr"
         if outcome.result is not None:
@@ -87,8 +84,8 @@ def _print_table(outcomes: Sequence[Outcome]) -> None:
             worst = next((verdict for verdict in VERDICTS if counts[verdict]), "no pairs")
             found = ", ".join(f"{counts[verdict]} {verdict}" for verdict in VERDICTS if counts[verdict])
         log = "" if outcome.result is None else str(outcome.log)
-        table.add_row(cell(str(outcome.scene)), cell(worst, STYLES.get(worst, "bold red")), cell(found), cell(log))
-    console_for().print(table)
+        rows.append((cell(str(outcome.scene)), cell(worst, STYLES.get(worst, "bold red")), cell(found), cell(log)))
+    print_rows(console_for(), ("scene", "worst", "pairs", "log"), rows)
 
 
 def _as_json(outcome: Outcome) -> dict[str, object]:

@@ -62,12 +62,12 @@ def command(
     """
     from ..formats.log.diff.compare import compare
     from ..formats.log.diff.junit import write_junit
-    from ..formats.log.output import Output
+    from ..formats.log.output import JUNIT, Output
     from .show import print_json
     from .show_diff import as_values, print_comparison
 
     with faults_reported():
-        output = None if junit is None else Output(junit, [golden, new], "--junit")
+        output = None if junit is None else Output(junit, [golden, new], JUNIT, "--junit")
         comparison = compare(golden, new, _rules(**given), every_topic)
         if output is not None:
             write_junit(output, comparison, golden, new)

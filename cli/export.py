@@ -48,6 +48,8 @@ def command(
     """
     from ..formats.log.choice import Choice
     from ..formats.log.export import chosen_tables, export_table, export_tables
+    from ..formats.log.filters import require_pairs
+    from ..formats.log.found import read_found
 
     if kind == "parquet" and find_spec("pyarrow") is None:
         raise click.ClickException("Parquet needs pyarrow: pip install 'closecall[parquet]'")
@@ -55,11 +57,13 @@ def command(
     tables = chosen_tables(choice)
     if not tables:
         names = ", ".join(f"/{table.name}" for table in chosen_tables(Choice()))
-        raise click.BadParameter(f"no table is of such a topic; there are {names}.", param_hint="--topic")
+        raise click.BadParameter(f"matches no topic of a table; there are {names}.", param_hint="--topic")
     if output is None and (len(tables) > 1 or kind == "parquet"):
         raise click.UsageError("Give one --topic, or -o DIR." if len(tables) > 1 else "Parquet needs -o DIR.")
     with faults_reported():
         raise_interrupts()
+        if pairs:
+            require_pairs(log, pairs, read_found(log))
         if output is None:
             done = export_table(log, kind, choice, sys.stdout.buffer)
         else:
@@ -68,5 +72,5 @@ def command(
                 for name, rows in sorted(done.rows.items()):
                     say(f"{output / f'{name}.{kind}'}: {rows} rows")
         if not (quiet or done.loss or any(done.rows.values())):
-            say("no message is such", to_stderr=True)
+            say("no message matches", to_stderr=True)
         return exit_code_of(done.loss)

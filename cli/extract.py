@@ -52,13 +52,18 @@ def command(
             return _take_file(log, name, output)
         if output is None:
             return _list_files(log)
+        from ..formats.log.filters import require_pairs, require_topics
+        from ..formats.log.found import read_found
         from ..formats.log.part import write_part
 
+        require_topics(log, topics)
+        if pairs:
+            require_pairs(log, pairs, read_found(log))
         part = write_part(log, output, choice)
         if not quiet:
             say(f"{output}: {part.messages} of {part.of} messages")
             if pairs and not part.pairs and part.loss is None:
-                say("no pair is such", to_stderr=True)
+                say("no listed pair matches in that time", to_stderr=True)
         return exit_code_of(part.loss)
 
 
@@ -86,8 +91,8 @@ def _take_file(log: Path, name: str, output: Path | None) -> int:
     if output is None or output == STDOUT:
         sys.stdout.buffer.write(file.data)
         return 0
-    from ..formats.log.output import Output, published
+    from ..formats.log.output import FILE, Output, published
 
-    with published(Output(output, [log])) as stream:
+    with published(Output(output, [log], FILE)) as stream:
         stream.write(file.data)
     return 0

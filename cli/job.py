@@ -16,7 +16,7 @@ from ..formats.log.summary import Summary
 from ..formats.log.viewer.pictures import Picture
 from ..formats.log.viewer.viewer import ViewerOptions
 from ..formats.log.writer import LogOptions, LogWriter, Topics
-from ..formats.scene.errors import SceneError, counted, whole_file
+from ..formats.scene.errors import SceneError, WarnedError, counted, whole_file
 from ..formats.scene.loaded import LoadedScene
 from ..formats.scene.reader import read_scene
 from ..scheduler.broad_phase import BroadPhase
@@ -130,14 +130,14 @@ def counted_pairs(loaded: LoadedScene, strict: bool) -> tuple[LoadedScene, int]:
     """Return the scene with its last warnings, and how many pairs are to be checked.
 
     Raises:
-        SceneError: under `strict` for any warning.
+        WarnedError: under `strict` for any warning.
     """
     pairs = count_pairs(loaded.scene).checked
     if not pairs:
         nothing = "nothing to check: no two bodies that may be checked move relative to each other"
         loaded = replace(loaded, warnings=(*loaded.warnings, str(whole_file(loaded.path, nothing))))
     if strict and loaded.warnings:
-        raise SceneError([whole_file(loaded.path, f"under --strict: {text}") for text in loaded.warnings])
+        raise WarnedError(loaded.warnings)
     return loaded, pairs
 
 

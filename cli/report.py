@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ..formats.log.output import destination, published
+from ..formats.log.output import REPORT, destination, published
 from ..formats.log.pipe import STDOUT
 from .faults import exit_code_of, faults_reported, raise_interrupts
 from .options import FILE_NAME
@@ -31,7 +31,7 @@ def command(log: Path, output: Path | None, quiet: bool) -> int:
     target = log.parent / f"{log.stem}.html" if output is None else output
     with faults_reported():
         raise_interrupts()
-        place = destination(target, [log])
+        place = destination(target, [log], REPORT)
         gathered = gather(log)
         data = page(gathered).encode()
         with published(place) as stream:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from decimal import ROUND_FLOOR, Context
 from math import inf
 from typing import Any
 
 from rich.console import Console
+from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
@@ -25,6 +26,9 @@ MOST_ROWS = 20
 
 #: Characters.
 WIDTH_OF_A_PIPE = 1000
+
+#: Characters: on a terminal narrower than this, columns would be folded into ribbons.
+NARROW = 60
 
 #: How verdicts are printed.
 STYLES = {"contact": "bold red", "breach": "red", "unresolved": "yellow", "possible": "yellow", "clear": "green"}
@@ -48,6 +52,23 @@ def console_for(to_stderr: bool = False) -> Console:
     if not console.is_terminal and "COLUMNS" not in os.environ:
         console.width = WIDTH_OF_A_PIPE
     return console
+
+
+def print_rows(console: Console, columns: Sequence[str], rows: Sequence[Sequence[Text]]) -> None:
+    """Print rows under their columns; on a terminal too narrow for them each row is a list, folded and never cut."""
+    if console.width < NARROW:
+        for name, *cells in rows:
+            console.print(Text(name.plain, "bold"), overflow="fold")
+            for column, cell in zip(columns[1:], cells, strict=True):
+                if cell.plain:
+                    console.print(Padding(Text.assemble(f"{column}: ", cell), (0, 0, 0, 2)), overflow="fold")
+        return
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for column in columns:
+        table.add_column(column, overflow="fold")
+    for row in rows:
+        table.add_row(*row)
+    console.print(table)
 
 
 def print_warnings(warnings: Iterable[str]) -> None:
@@ -80,17 +101,19 @@ def print_summary(
         shown = sorted(summary["pairs"], key=badness)[:MOST_ROWS]
     more = (len(summary["pairs"]) if chosen is None else chosen) - len(shown)
     console = console_for(to_stderr)
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for column, justify in (("pair", "left"), ("verdict", "left"), ("least distance", "left"), ("when", "left")):
-        table.add_column(column, justify=justify, overflow="fold")  # type: ignore[arg-type]
-    for pair in shown:
-        verdict = pair["verdict"]
-        name = cell(pair["pair"].replace("|", " | "))
-        table.add_row(name, cell(verdict, STYLES[verdict]), cell(_distance(pair)), cell(_contacts(pair)))
+    rows = [
+        (
+            cell(pair["pair"].replace("|", " | ")),
+            cell(pair["verdict"], STYLES[pair["verdict"]]),
+            cell(_distance(pair)),
+            cell(_contacts(pair)),
+        )
+        for pair in shown
+    ]
     if shown or not summary["pairs"]:
-        console.print(table)
+        print_rows(console, ("pair", "verdict", "least distance", "when"), rows)
     else:
-        console.print("no pair is such")
+        console.print("no listed pair matches")
     if more:
         console.print(f"... and {counted(more, 'more pair')}")
     counts = summary["totals"]["pairs"]

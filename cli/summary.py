@@ -41,11 +41,13 @@ def command(
       closecall summary out.mcap --sort distance --limit 5
     """
     from ..formats.log.choice import is_pair_among
+    from ..formats.log.filters import require_pairs
     from ..formats.log.found import read_found
     from .show import MOST_ROWS, ORDERS, print_json, print_summary
 
     with faults_reported():
         found = read_found(log)
+        require_pairs(log, patterns, found)
         pairs = [
             pair
             for pair in found.summary["pairs"]

@@ -9,7 +9,6 @@ from math import degrees, inf, isfinite
 from typing import Any
 
 import numpy as np
-from rich.table import Table
 
 from ..formats.scene.errors import counted
 from ..formats.scene.loaded import LoadedScene
@@ -18,7 +17,7 @@ from ..scheduler.motions import Ballistic, Delayed, Looped
 from ..scheduler.pair import Pair
 from ..scheduler.pairing import ignored_pairs
 from ..scheduler.scene import Body, Scene
-from .show import console_for
+from .show import console_for, print_rows
 from .terminal import cell, say
 
 #: Rows of the table for people.
@@ -57,15 +56,13 @@ def print_understood(loaded: LoadedScene, pairs: int, margins: list[float]) -> N
     """Print the bodies as a table, then pairs and times."""
     scene, settings = loaded.scene, loaded.settings
     console = console_for()
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for column in ("body", "parent", "motion", "shapes (triangles)", "size"):
-        table.add_column(column, overflow="fold")
+    rows = []
     files = {file.name for file in loaded.trajectory_files}
     for body in scene.bodies[:MOST_ROWS]:
         told = _body(scene, body, files)
         size = "" if told["size"] is None else " x ".join(f"{length:.3g}" for length in told["size"]) + " m"
-        table.add_row(*map(cell, (told["name"], told["parent"] or "", _motion(told), _shapes(told), size)))
-    console.print(table)
+        rows.append([*map(cell, (told["name"], told["parent"] or "", _motion(told), _shapes(told), size))])
+    print_rows(console, ("body", "parent", "motion", "shapes (triangles)", "size"), rows)
     if len(scene.bodies) > MOST_ROWS:
         console.print(f"... and {counted(len(scene.bodies) - MOST_ROWS, 'more body', 'more bodies')}")
     bodies, possible, ignored = (

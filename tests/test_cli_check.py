@@ -310,7 +310,7 @@ def test_faults_are_told_in_lines_and_exit_2(run, folder: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "phrase"),
     [
-        (["--strict"], "cell.yaml:1:1: scene: under --strict: cell.yaml:6:17: meshes.plate.file: plate.obj is open"),
+        (["--strict"], "cell.yaml:6:17: meshes.plate.file: plate.obj is open"),
         (["--max-pairs", "2"], "cell.yaml:1:1: scene: more than 2 pairs, ignore some or raise --max-pairs"),
         (["--max-bytes", "100"], "cell.yaml:1:1: scene: the file is larger than 100 bytes"),
     ],
@@ -337,10 +337,25 @@ def test_nothing_to_check_is_a_warning_and_under_strict_a_fault(run, folder: Pat
     (folder / "s.yaml").write_text(CELL.split("settings")[0] + "bodies: {a: {shapes: [{sphere: 1}]}, b: {}}\n")
     done = run("check", "s.yaml")
     assert done.code == 0
-    nothing = "nothing to check: no two bodies that may be checked move relative to each other\n"
-    assert done.err == f"warning: s.yaml:1:1: scene: {nothing}"
+    nothing = "nothing to check: no two bodies that may be checked move relative to each other"
+    assert done.err == f"warning: s.yaml:1:1: scene: {nothing}\n"
     strict = run("check", "s.yaml", "--strict")
-    assert (strict.code, strict.err) == (2, f"s.yaml:1:1: scene: under --strict: s.yaml:1:1: scene: {nothing}")
+    assert (strict.code, strict.err) == (2, f"s.yaml:1:1: scene: {nothing} (a warning, refused under --strict)\n")
+
+
+def test_several_scenes_are_checked_in_turn_and_a_fault_does_not_stop_the_rest(run, folder: Path) -> None:
+    (folder / "bad.yaml").write_text("closecall: 1\n")
+    done = run("check", "cell.yaml", "bad.yaml", "cell.yaml")
+    assert done.code == 2
+    assert [line.split(":")[0] for line in done.err.splitlines()] == ["warning", *["bad.yaml"] * 3, "warning"]
+    assert done.out.count("cell.yaml\n") == 2
+    assert done.out.count(" pairs to check") == 2
+    assert run("check", "cell.yaml", "cell.yaml", "-q").code == 0
+
+    many = json.loads(run("check", "cell.yaml", "bad.yaml", "--json").out)["scenes"]
+    assert [(one["scene"], one["exit"]) for one in many] == [("cell.yaml", 0), ("bad.yaml", 2)]
+    assert many[0]["understood"] == json.loads(run("check", "cell.yaml", "--json").out)
+    assert many[1]["understood"] is None
 
 
 def test_files_may_come_from_a_named_root(run, folder: Path) -> None:

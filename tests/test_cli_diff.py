@@ -96,7 +96,7 @@ def test_limit_says_how_many_are_not_shown(folder):
 
 def test_junit_has_a_case_for_every_pair(folder, tmp_path):
     report = tmp_path / "report.xml"
-    report.write_text("an older report")
+    report.write_text("<?xml an older report")
     assert closecall_inside("diff", "golden.mcap", "new.mcap", "--junit", report, "-q", cwd=folder).returncode == 1
     suite = ElementTree.parse(report).getroot().find("testsuite")
     assert suite is not None
@@ -129,12 +129,12 @@ def test_of_a_junit_report_that_cannot_be_written_nothing_is_left(folder, tmp_pa
         raise OSError(28, "No space left on device")
 
     report = tmp_path / "report.xml"
-    report.write_text("an older report")
+    report.write_text("<?xml an older report")
     monkeypatch.setattr(os, "fsync", full)
     done = closecall_inside("diff", "golden.mcap", "new.mcap", "--junit", report, cwd=folder)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith(f"{report}.partial: cannot write: No space left on device; ")
-    assert [report.read_text(), *tmp_path.iterdir()] == ["an older report", report]
+    assert [report.read_text(), *tmp_path.iterdir()] == ["<?xml an older report", report]
 
 
 def test_a_reader_that_leaves_early_gets_no_traceback(folder):

@@ -55,7 +55,7 @@ def test_no_color_is_respected(scene, tmp_path):
     assert "31m" not in plain
 
 
-@pytest.mark.parametrize("columns", [60, 80, 200])
+@pytest.mark.parametrize("columns", [40, 60, 80, 200])
 def test_the_table_fits_the_terminal_and_loses_nothing(scene, tmp_path, columns):
     scene.write_text(SPHERES.replace("left", "a_body_with_a_rather_long_name_of_its_own"))
     closecall("run", scene, "-o", "out.mcap", cwd=tmp_path)

@@ -86,9 +86,9 @@ def test_a_part_outside_the_run_is_empty_and_a_log(log, tmp_path):
     assert read_summary(part)["time"] == [2.0, 2.0]
 
 
-@pytest.mark.parametrize(("pair", "said"), [("nosuch", "no pair is such\n"), ("arm", "")])
-def test_a_pair_that_is_not_there_is_told(log, tmp_path, pair, said):
-    done = closecall_inside("extract", log, "--pair", pair, "-o", "part.mcap", cwd=tmp_path)
+@pytest.mark.parametrize(("times", "said"), [(["--from", "7"], "no listed pair matches in that time\n"), ([], "")])
+def test_a_pair_that_has_no_spans_in_the_time_is_told(log, tmp_path, times, said):
+    done = closecall_inside("extract", log, "--pair", "arm", *times, "-o", "part.mcap", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, said)
     assert bool(read_summary(tmp_path / "part.mcap")["pairs_total"]) is (said == "")
 

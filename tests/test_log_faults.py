@@ -19,10 +19,12 @@ from mcap.stream_reader import StreamReader
 
 from closecall.formats.log.chunks import CHUNK_BYTES, ChunkWriter
 from closecall.formats.log.errors import LogError
-from closecall.formats.log.output import Output, published
+from closecall.formats.log.output import LOG, Output, published
 from closecall.formats.log.writer import LogOptions, LogWriter
 from closecall.formats.scene.loaded import LoadedScene
 from closecall.scheduler.events import Bound, Level, PairKey, Reason, Wakeup
+
+OLDER = b"\x89MCAP0\r\nan older log"
 
 
 def log_writer(path: Path, scene: LoadedScene, epoch: int = 0) -> LogWriter:
@@ -54,7 +56,7 @@ def message_count(path: Path) -> int:
 
 def test_fault_keeps_the_partial_and_the_old_output(tmp_path):
     scene = loaded(tmp_path)
-    (tmp_path / "out.mcap").write_text("an older log")
+    (tmp_path / "out.mcap").write_bytes(OLDER)
     log = log_writer(tmp_path / "out.mcap", scene)
 
     def failing_run() -> None:
@@ -64,7 +66,7 @@ def test_fault_keeps_the_partial_and_the_old_output(tmp_path):
 
     with pytest.raises(ZeroDivisionError):
         failing_run()
-    assert (tmp_path / "out.mcap").read_text() == "an older log"
+    assert (tmp_path / "out.mcap").read_bytes() == OLDER
     assert log.partial == tmp_path / "out.mcap.partial"
     assert len(salvaged(log.partial)) == 2, "the opening and the one fact"
 
@@ -72,10 +74,10 @@ def test_fault_keeps_the_partial_and_the_old_output(tmp_path):
 def test_output_is_replaced_only_after_a_clean_end(tmp_path):
     scene = loaded(tmp_path)
     target = tmp_path / "out.mcap"
-    target.write_text("an older log")
+    target.write_bytes(OLDER)
     with log_writer(target, scene) as log:
         log.write(wakeup(0.0))
-        assert target.read_text() == "an older log"
+        assert target.read_bytes() == OLDER
     assert message_count(target) == 3
     assert not log.partial.exists()
 
@@ -167,15 +169,25 @@ def test_a_partial_that_leads_to_an_input_is_refused(tmp_path):
         log_writer(tmp_path / "out.mcap", scene)
 
 
+def test_a_file_that_is_no_log_is_not_replaced(tmp_path):
+    target = tmp_path / "scene.yaml"
+    target.write_text("closecall: 1\n")
+    with pytest.raises(LogError, match=r"scene.yaml: exists and is not a log; remove it, or choose another output"):
+        Output(target, [], LOG)
+    assert target.read_text() == "closecall: 1\n"
+    target.write_bytes(b"")  # as mktemp makes it
+    Output(target, [], LOG)
+
+
 def test_unwritable_folder_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(os, "access", lambda *_: False)
     with pytest.raises(LogError, match="is not writable"):
-        Output(tmp_path / "out.mcap", [])
+        Output(tmp_path / "out.mcap", [], LOG)
 
 
 def test_a_name_too_long_for_the_file_system_is_one_line(tmp_path):
     with pytest.raises(LogError, match=r"247 are the most.*choose a shorter name"):
-        Output(tmp_path / ("x" * 250), [])
+        Output(tmp_path / ("x" * 250), [], LOG)
 
 
 def test_what_cannot_be_put_in_its_place_is_not_left_beside_it(tmp_path, monkeypatch):
@@ -185,7 +197,7 @@ def test_what_cannot_be_put_in_its_place_is_not_left_beside_it(tmp_path, monkeyp
     monkeypatch.setattr(Path, "replace", refuse)
     with (
         pytest.raises(LogError, match="cannot write: Input/output error"),
-        published(Output(tmp_path / "out.mcap", [])) as stream,
+        published(Output(tmp_path / "out.mcap", [], LOG)) as stream,
     ):
         stream.write(b"all of it")
     assert not list(tmp_path.iterdir())

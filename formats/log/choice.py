@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import re
+import unicodedata
 from collections.abc import Iterable
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from math import inf
 from typing import Any
+
+_BAR = re.compile(r"\s*\|\s*")
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +45,20 @@ def is_pair_among(pair: str, patterns: Iterable[str]) -> bool:
     """Tell whether a pair, "a|b", is one of those that patterns name.
 
     A pattern with a bar is a pair's, in whichever order ("arm|*"); one without is a body's, in any pair ("tool*").
+    Blanks around the bar may be there, as tables print them ("arm | hand").
     """
     body_a, _, body_b = pair.partition("|")
     names = (pair, f"{body_b}|{body_a}"), (body_a, body_b)
-    return any(fnmatchcase(name, pattern) for pattern in patterns for name in names["|" not in pattern])
+    return any(
+        fnmatchcase(name, form) for pattern in patterns for form in _forms(pattern) for name in names["|" not in form]
+    )
+
+
+def _forms(pattern: str) -> set[str]:
+    """Return a pattern as typed, and without blanks around its bar."""
+    return {unicodedata.normalize("NFC", pattern), bar_closed(pattern)}
+
+
+def bar_closed(pattern: str) -> str:
+    """Return a pattern without blanks around its bar, in the Unicode form of names."""
+    return _BAR.sub("|", unicodedata.normalize("NFC", pattern))

@@ -12,7 +12,7 @@ from typing import IO, Any, Protocol
 from .choice import Choice
 from .errors import LogError
 from .escapes import csv_text, json_text
-from .output import Output, published
+from .output import TABLE, Output, published
 from .reader import LogReader, Loss
 from .tables import Row, Table, table_of, tables
 
@@ -140,7 +140,7 @@ def export_tables(log: Path, kind: str, choice: Choice, folder: Path) -> Exporte
         for table, row in _rows(reader, choice):
             if table.name not in writers:
                 _make(folder)
-                output = Output(folder / f"{table.name}.{kind}", [log])
+                output = Output(folder / f"{table.name}.{kind}", [log], TABLE)
                 writers[table.name] = FORMATS[kind](files.enter_context(published(output)), table)
             writers[table.name].write(row)
             done.rows[table.name] = done.rows.get(table.name, 0) + 1

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import IO
+from typing import IO, NamedTuple
 
 from .errors import LogError
 from .pipe import STDOUT, Pipe
@@ -19,13 +19,28 @@ PARTIAL = ".partial"
 _FULL = frozenset((errno.ENOSPC, errno.EDQUOT, errno.EFBIG))
 
 
-def destination(path: Path, inputs: Sequence[Path]) -> Output | Pipe:
+class Kind(NamedTuple):
+    """What a file is that closecall writes: its name, and how all such files begin; an empty file is of every kind."""
+
+    name: str
+    beginnings: tuple[bytes, ...]
+
+
+LOG = Kind("a log", (b"\x89MCAP0\r\n",))
+REPORT = Kind("a report of closecall", (b"<!DOCTYPE html>\n<!-- a report of closecall -->",))
+JUNIT = Kind("a JUnit report", (b"<?xml", b"<testsuite"))
+TABLE = Kind("a table of closecall", (b"time,log_time,", b'{"time": ', b"PAR1"))
+FILE = Kind("a file", (b"",))
+"""Any file."""
+
+
+def destination(path: Path, inputs: Sequence[Path], kind: Kind) -> Output | Pipe:
     """Return where a log or a report goes: into a file, which is none of `inputs`, or down standard output.
 
     Raises:
         LogError: at once, where that cannot be written.
     """
-    return Pipe(sys.stdout.buffer) if path == STDOUT else Output(path, inputs)
+    return Pipe(sys.stdout.buffer) if path == STDOUT else Output(path, inputs, kind)
 
 
 @contextmanager
@@ -50,13 +65,14 @@ class Output:
     Args:
         path: what is written; an existing file is replaced.
         inputs: files that are read, which neither `path` nor `partial` may be.
+        kind: what is written; an existing file of another kind is not replaced.
         option: of the command line, with which the user chooses `path`.
 
     Raises:
         LogError: at once, when `path` cannot be written or is one of `inputs`; nothing was touched then.
     """
 
-    def __init__(self, path: Path, inputs: Sequence[Path], option: str = "-o") -> None:
+    def __init__(self, path: Path, inputs: Sequence[Path], kind: Kind, option: str = "-o") -> None:
         self.path = path
         self._option = option
         self.partial = path.with_name(path.name + PARTIAL) if path.name else path
@@ -69,6 +85,7 @@ class Output:
                 _require_plain_file(path, target, option)
                 for source in inputs:
                     _require_other_file(path, target, source, option)
+            _require_kind(path, kind, option)
         except OSError as error:
             raise self.fault(error) from error
 
@@ -160,6 +177,15 @@ def _require_other_file(path: Path, target: Path, source: Path, option: str) -> 
         through = "" if target == path else f" by way of {target}"
         problem = f"would overwrite the input {source}{through}"
         raise LogError(path, problem, f"choose another output with {option}")
+
+
+def _require_kind(path: Path, kind: Kind, option: str) -> None:
+    if not path.is_file():
+        return
+    with path.open("rb") as file:
+        beginning = file.read(max(map(len, kind.beginnings)))
+    if beginning and not beginning.startswith(kind.beginnings):
+        raise LogError(path, f"exists and is not {kind.name}", f"remove it, or choose another output with {option}")
 
 
 def _sync_folder(folder: Path) -> None:

@@ -15,7 +15,7 @@ from .chunks import Channel, ChunkWriter, Compression
 from .contents import LOST, METADATA, METADATA_AT_START, SUMMARY
 from .found import Folding
 from .identity import Identity
-from .output import Output, published
+from .output import LOG, Output, published
 from .reader import LogReader, Loss
 from .summary import to_json
 
@@ -58,7 +58,7 @@ def write_part(log: Path, target: Path, choice: Choice) -> Part:
     Raises:
         LogError: for what is no log of closecall, and for an output that cannot be written.
     """
-    output = Output(target, [log])
+    output = Output(target, [log], LOG)
     contents = _contents(log, choice)
     with LogReader(log) as reader:
         identity = _identity(reader.identity, choice, contents)

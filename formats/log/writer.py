@@ -34,7 +34,7 @@ from .contents import (
 from .errors import LogError
 from .facts import FactFiller
 from .identity import identity
-from .output import destination
+from .output import LOG, destination
 from .summary import Summary, SummaryBuilder, subject_of, to_json
 from .viewer.pictures import Picture
 from .viewer.viewer import Viewer, ViewerOptions
@@ -92,7 +92,7 @@ class LogWriter:
     def __init__(
         self, path: Path, loaded: LoadedScene, settings: Settings, pairs_total: int, options: LogOptions
     ) -> None:
-        self._output = destination(path, [loaded.path, *(file.path for _, file in input_files(loaded))])
+        self._output = destination(path, [loaded.path, *(file.path for _, file in input_files(loaded))], LOG)
         self._loaded = loaded
         self._settings = settings
         self._pairs_total = pairs_total

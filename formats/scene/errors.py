@@ -52,6 +52,14 @@ class SceneError(Exception):
         super().__init__("\n".join(map(str, self.faults)))
 
 
+class WarnedError(SceneError):
+    """A scene that is refused for its warnings alone; its text is one line a warning, each with its place once."""
+
+    def __init__(self, warnings: Iterable[str]) -> None:
+        self.faults = ()
+        Exception.__init__(self, "\n".join(f"{warning} (a warning, refused under --strict)" for warning in warnings))
+
+
 def in_order(faults: Iterable[Fault]) -> tuple[Fault, ...]:
     """Return the faults in the order of the file."""
     return tuple(sorted(faults, key=lambda fault: (fault.line, fault.column)))

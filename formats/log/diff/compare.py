@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 
-from ..found import FINDINGS, fold
+from ..errors import LogError
+from ..filters import require_pairs, require_topics
+from ..found import FINDINGS, Found, fold
 from ..reader import LogReader
 from .difference import Comparison
 from .findings import Rules, differences, notes, require_comparable
@@ -25,6 +28,7 @@ def compare(golden: Path, new: Path, rules: Rules, every_topic: bool = False) ->
     """
     before, after = fold(golden, FINDINGS), fold(new, FINDINGS)
     require_comparable(before, after, new, rules)
+    _require_ignored(golden, new, before, after, rules.ignored.patterns)
     found = list(differences(before, after, rules))
     if every_topic:
         with LogReader(golden) as one, LogReader(new) as other:
@@ -34,6 +38,21 @@ def compare(golden: Path, new: Path, rules: Rules, every_topic: bool = False) ->
     return Comparison(
         differences=tuple(found),
         pairs=tuple(name for name in names.values() if not rules.ignored.pair(name)),
-        notes=tuple(notes(before, after, rules.ignored)),
+        notes=tuple(notes(before, after)),
         losses=tuple(loss for loss in (before.loss, after.loss) if loss is not None),
     )
+
+
+def _require_ignored(golden: Path, new: Path, before: Found, after: Found, patterns: tuple[str, ...]) -> None:
+    """Check that each pattern to be ignored matches something in one of the logs at least.
+
+    Raises:
+        LogError: for one that matches nothing.
+    """
+    require_topics(new, (pattern for pattern in patterns if pattern.startswith("/")), "--ignore")
+    for pattern in patterns:
+        if not pattern.startswith("/"):
+            with suppress(LogError):
+                require_pairs(golden, (pattern,), before, "--ignore")
+                continue
+            require_pairs(new, (pattern,), after, "--ignore")

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from math import inf, nan
 from pathlib import Path
 
-from ..choice import is_pair_among
 from ..clock import seconds_told
 from ..errors import LogError
 from ..found import Found
@@ -74,13 +73,9 @@ def differences(golden: Found, new: Found, rules: Rules) -> Iterator[Difference]
         yield Difference(Cause.PAIRS, "", str(total), str(new_total), float(new_total - total), "", None)
 
 
-def notes(golden: Found, new: Found, ignored: Ignored) -> Iterator[str]:
+def notes(golden: Found, new: Found) -> Iterator[str]:
     """Yield what a reviewer should know of two runs, and is no difference of what they found."""
     before, after = golden.summary, new.summary
-    pairs = [pair["pair"] for pair in (*before["pairs"], *after["pairs"])]
-    for pattern in ignored.patterns:
-        if not pattern.startswith("/") and not any(is_pair_among(pair, (pattern,)) for pair in pairs):
-            yield f"no pair is {pattern}, which is ignored"
     for name in sorted(before["settings"].keys() | after["settings"].keys()):
         old, now = before["settings"].get(name), after["settings"].get(name)
         if old != now:
