@@ -36,7 +36,7 @@ def command(
     \b
     Examples:
       closecall check scene.yaml
-      closecall check cell.yaml gate.yaml --strict
+      closecall check scene.yaml sample_scenes/spinning_bar/scene.yaml -q
       closecall check scene.yaml --suggest-ignores
     """
     from ..formats.scene.errors import SceneError

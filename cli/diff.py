@@ -56,7 +56,7 @@ def command(
     \b
     Examples:
       closecall diff golden.mcap new.mcap
-      closecall diff golden.mcap new.mcap --time-tol 1e-4 --distance-tol 1e-5 --ignore 'cable*|*'
+      closecall diff golden.mcap new.mcap --time-tol 1e-4 --distance-tol 1e-5 --ignore 'arm|*'
       closecall diff golden.mcap new.mcap --all --ignore '/viz/*' --json
       closecall diff golden.mcap new.mcap --junit report.xml
     """

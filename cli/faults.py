@@ -97,8 +97,8 @@ def report(fault: Exception, output: Path | None) -> None:
     from ..formats.scene.errors import SceneError
 
     if isinstance(fault, SceneError):
-        for one in fault.faults:
-            say(str(one), to_stderr=True)
+        for line in fault.lines:
+            say(line, to_stderr=True)
         return
     cut_short = isinstance(fault, LogError) and fault.path == Path(f"{output}.partial")
     say(str(fault) + (_how_to_recover(output) if cut_short else ""), to_stderr=True)

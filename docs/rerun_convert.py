@@ -16,17 +16,21 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-import pyarrow as pa
-import rerun as rr
-import rerun.blueprint as rrb
-from foxglove_schemas_protobuf.Pose_pb2 import Pose
-from foxglove_schemas_protobuf.SceneEntity_pb2 import SceneEntity
-from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
-from mcap.reader import make_reader
-from rerun.chunk import Chunk, McapReader, RrdReader
+try:
+    import datafusion  # noqa: F401  (the queries of rerun's catalog need it)
+    import numpy as np
+    import pyarrow as pa
+    import rerun as rr
+    import rerun.blueprint as rrb
+    from foxglove_schemas_protobuf.Pose_pb2 import Pose
+    from foxglove_schemas_protobuf.SceneEntity_pb2 import SceneEntity
+    from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
+    from mcap.reader import make_reader
+    from rerun.chunk import Chunk, McapReader, RrdReader
 
-from closecall.formats.log.messages_pb2 import Distance, World
+    from closecall.formats.log.messages_pb2 import Distance, World
+except ImportError as missing:
+    sys.exit(f"{missing}: this script needs closecall, and pip install 'rerun-sdk[catalog]>=0.41'")
 
 TIMELINE = "message_log_time"
 """What Rerun calls MCAP's log times: simulation time, plus the run's --epoch."""
@@ -154,7 +158,11 @@ def placed(points: np.ndarray, pose: Pose) -> np.ndarray:
 
 
 if __name__ == "__main__":
+    if len(sys.argv) != 3:
+        sys.exit("usage: python docs/rerun_convert.py LOG RECORDING")
     source, target = map(Path, sys.argv[1:])
+    if not source.is_file():
+        sys.exit(f"{source}: there is no such log")
     convert(source, target)
     for found in collisions(target):
         found["phase"], found["kind"] = found["phase"]["name"], found["kind"]["name"]

@@ -276,7 +276,9 @@ def test_every_figure_of_the_table_is_there_at_any_width(run, monkeypatch: pytes
     monkeypatch.setenv("COLUMNS", str(columns))
     narrow = run("check", scene).out
     assert max(map(len, narrow.splitlines())) <= columns
-    assert Counter("".join(narrow.split())) == Counter("".join(wide.split()))
+    headless = wide.partition("\n")[2] if columns < 60 else wide  # a list has the columns' names on each line instead
+    lost = Counter("".join(headless.split())) - Counter("".join(narrow.split()))
+    assert not lost
 
 
 def test_names_that_look_like_markup_are_printed_as_they_are(run, folder: Path) -> None:

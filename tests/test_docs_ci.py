@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -63,6 +64,24 @@ def test_the_shell_recipe_and_the_workflow_run_as_printed(project):
     assert "<failure" not in (project / "reports" / "cell.xml").read_text()
 
 
+def test_the_shell_recipe_notices_scenes_and_goldens_that_stand_alone(project):
+    goldens, job = blocks("sh")
+    assert shell(goldens, project, project).returncode == 0
+    (project / "reports").mkdir()
+    (project / "reports" / "long_gone.xml").write_text("<?xml")
+    (project / "goldens" / "gate.mcap").unlink()
+    done = shell(job, project, project)
+    assert done.returncode == 2
+    assert "scenes/gate has no golden log" in done.stderr
+    assert [path.name for path in (project / "reports").iterdir()] == ["cell.xml"]
+
+    (project / "goldens" / "old.mcap").write_bytes((project / "goldens" / "cell.mcap").read_bytes())
+    (project / "goldens" / "gate.mcap").write_bytes((project / "goldens" / "cell.mcap").read_bytes())
+    done = shell(job, project, project)
+    assert done.returncode == 2
+    assert "goldens/old.mcap has no scene" in done.stderr
+
+
 def test_the_tests_run_as_printed(pytester):
     write_scene(pytester.path / "scenes" / "cell")
     (pytester.path / "test_cell.py").write_text(blocks("python")[0])
@@ -89,3 +108,17 @@ def test_readme_prints_what_its_comparison_prints(tmp_path, monkeypatch):
     assert NUMBER.sub("#", done.stdout).split() == NUMBER.sub("#", shown).split()
     told, printed = (list(map(float, NUMBER.findall(text))) for text in (done.stdout, shown))
     assert told == pytest.approx(printed, abs=3e-6), "to what the brackets of both contacts leave open"
+
+
+def test_the_scene_that_readme_shows_runs_as_printed(tmp_path, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "120")
+    shutil.copytree(
+        Path(__file__).parents[1] / "sample_scenes" / "near_gears", tmp_path / "sample_scenes" / "near_gears"
+    )
+    section = README.split("## A scene")[1]
+    (tmp_path / "cell.yaml").write_text(section.split("```yaml\n")[1].split("```")[0])
+    ran = section.split("`closecall run ")[1].split("`")[0]
+    shown = section.split("prints\n\n```\n")[1].split("```")[0]
+    done = closecall_inside("run", *shlex.split(ran), "--log", "certificate", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.split() == shown.split()

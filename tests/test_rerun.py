@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +14,16 @@ import pytest
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 
-pytest.importorskip("rerun", reason="rerun-sdk is not installed: pip install 'rerun-sdk[catalog]>=0.41'")
-pytest.importorskip("rerun.chunk", reason="rerun-sdk is older than 0.41")
-pytest.importorskip("datafusion", reason="rerun-sdk's queries are not installed: pip install 'rerun-sdk[catalog]'")
-
 ROOT = Path(__file__).resolve().parents[1]
 COUNTS = {"arm_pick": 2, "asteroids": 6, "ball_in_shell": 1, "near_gears": 0, "spinning_bar": 2}
 """How many begins and ends of contacts each sample has; the two of arm_pick are at one instant."""
+
+
+def has_rerun() -> bool:
+    """Tell whether all is installed that the script imports."""
+    if any(find_spec(name) is None for name in ("rerun", "datafusion", "pyarrow")):
+        return False
+    return find_spec("rerun.chunk") is not None
 
 
 def logged(log: Path) -> list[dict[str, Any]]:
@@ -40,6 +45,17 @@ def plain(message: Any) -> dict[str, Any]:
     return values
 
 
+def test_without_rerun_or_with_an_old_one_a_line_says_what_to_install(tmp_path: Path) -> None:
+    (tmp_path / "datafusion.py").write_text("raise ModuleNotFoundError(\"No module named 'datafusion'\")\n")
+    script = str(ROOT / "docs" / "rerun_convert.py")
+    path = os.pathsep.join(filter(None, (str(tmp_path), os.environ.get("PYTHONPATH"))))
+    arguments = [sys.executable, script, "a.mcap", "a.rrd"]
+    done = subprocess.run(arguments, capture_output=True, text=True, env={**os.environ, "PYTHONPATH": path})
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
+    assert done.stderr.startswith("No module named 'datafusion': this script needs closecall, and pip install")
+
+
+@pytest.mark.skipif(not has_rerun(), reason="not installed: pip install 'rerun-sdk[catalog]>=0.41'")
 @pytest.mark.parametrize("name", COUNTS)
 def test_collisions_come_back_from_the_recording(name: str, tmp_path: Path) -> None:
     log, recording = tmp_path / f"{name}.mcap", tmp_path / f"{name}.rrd"

@@ -45,19 +45,28 @@ def whole_file(file: object, message: str) -> Fault:
 
 
 class SceneError(Exception):
-    """A scene file that cannot be read; its text is one line a fault, in the order of the file."""
+    """A scene file that cannot be read.
+
+    Attributes:
+        faults: in the order of the file.
+        lines: its text, one line a fault.
+    """
 
     def __init__(self, faults: Iterable[Fault]) -> None:
+        super().__init__()
         self.faults = in_order(faults)
-        super().__init__("\n".join(map(str, self.faults)))
+        self.lines = tuple(map(str, self.faults))
+
+    def __str__(self) -> str:
+        return "\n".join(self.lines)
 
 
 class WarnedError(SceneError):
     """A scene that is refused for its warnings alone; its text is one line a warning, each with its place once."""
 
     def __init__(self, warnings: Iterable[str]) -> None:
-        self.faults = ()
-        Exception.__init__(self, "\n".join(f"{warning} (a warning, refused under --strict)" for warning in warnings))
+        super().__init__(())
+        self.lines = tuple(f"{warning} (a warning, refused under --strict)" for warning in warnings)
 
 
 def in_order(faults: Iterable[Fault]) -> tuple[Fault, ...]:
