@@ -243,7 +243,7 @@ def test_a_star_no_fan_fits_is_warned_of_and_one_of_many_corners_comes_to_an_end
             read_obj(re.sub("^", "v ", rows.rstrip(), flags=re.M).encode() + f"\nf {face_from_one(corners)}".encode()),
         ):
             assert len(surface.triangles) == corners - 2
-            assert surface.warnings[0].startswith("holds 1 polygon that no fan of triangles fits")
+            assert surface.measured[0].text.startswith("holds 1 polygon that no fan of triangles fits")
 
 
 def face_from_one(corners: int) -> str:

@@ -80,7 +80,10 @@ def test_a_polygon_no_fan_fits_is_covered_and_warned_of() -> None:
     text = "".join(f"v {x} {y} 0\n" for x, y in star) + "f 1 2 3 4 5 6 7 8 9 10\n"
     surface = read_obj(text.encode())
     assert len(surface.triangles) == 8
-    assert "holds 1 polygon that no fan" in surface.warnings[0]
+    (told,) = surface.measured
+    assert told.text.startswith("holds 1 polygon that no fan of triangles fits: ")
+    assert told.text.endswith(" (the face in line 11, cut from its corner 1 of 10)")
+    assert told.length == pytest.approx(2 * np.cos(np.pi / 10))  # half of the way from tip to tip
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...scheduler.scene import FloatArray, IntArray
-from .surface import MeshError, Surface
+from .surface import MeshError, Surface, grid_warnings
 
 MOST_TRIANGLES = 20_000_000
 """Of one file, all placements counted: 1.4 GB here and some 10 GB in FCL. A small file can ask for any number."""
@@ -41,17 +41,19 @@ class Assembly:
     """The triangles placed so far. Whoever places them keeps the budget."""
 
     def __init__(self) -> None:
+        self._grid = 0.0
         self._vertices: list[FloatArray] = []
         self._triangles: list[IntArray] = []
         self._vertex_count = 0
 
-    def place(self, vertices: FloatArray, triangles: IntArray, transform: FloatArray) -> None:
+    def place(self, vertices: FloatArray, triangles: IntArray, transform: FloatArray, grid: float = 0.0) -> None:
         """Add a mesh, turned inside out again if the transform mirrors it.
 
         Args:
             vertices: (n, 3).
             triangles: (m, 3) indices of these vertices.
             transform: (4, 4) affine, of column vectors.
+            grid: how far apart the floats are in which the file has the vertices; 0 for decimals.
 
         Raises:
             MeshError: a coordinate is not finite.
@@ -61,6 +63,8 @@ class Assembly:
             raise MeshError("a coordinate is not finite")
         with np.errstate(all="ignore"):
             mirrored = np.linalg.det(transform[:3, :3]) < 0
+        with np.errstate(all="ignore"):
+            self._grid = max(self._grid, grid * float(np.linalg.norm(transform[:3, :3], axis=0).max()))
         self._vertices.append(placed)
         self._triangles.append((triangles[:, ::-1] if mirrored else triangles) + self._vertex_count)
         self._vertex_count += len(vertices)
@@ -73,7 +77,8 @@ class Assembly:
         """
         if not any(map(len, self._triangles)):
             raise MeshError("the file places no triangles, expected at least one")
-        return Surface(np.concatenate(self._vertices), np.concatenate(self._triangles), tuple(warnings), unit)
+        vertices, triangles = np.concatenate(self._vertices), np.concatenate(self._triangles)
+        return Surface(vertices, triangles, tuple(warnings), unit, grid_warnings(vertices, self._grid))
 
 
 def transformed(points: FloatArray, transform: FloatArray) -> FloatArray:

@@ -48,8 +48,8 @@ def read_glb(data: bytes) -> Surface:
             what = f"the extension {_INSTANCES} is" if node.skin is None else "skinned meshes are"
             raise MeshError(f"nodes[{index}]: {what} not supported by this version")
         if node.mesh is not None:
-            for vertices, triangles in primitives.of_mesh(node.mesh):
-                assembly.place(vertices, triangles, transform)
+            for vertices, triangles, grid in primitives.of_mesh(node.mesh):
+                assembly.place(vertices, triangles, transform, grid)
     warnings = sorted(f"holds {what}, which are left out" for what in primitives.left_out)
     if document.animations:
         warnings.append("holds animations, which are left out: its nodes stand as they are written")

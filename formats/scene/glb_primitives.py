@@ -12,9 +12,10 @@ from ...scheduler.scene import FloatArray, IntArray
 from .assembly import Budget
 from .errors import quoted
 from .gltf import FAN, POINTS_AND_LINES, STRIP, Accessor, Document, Primitive, View
-from .surface import MeshError
+from .surface import MeshError, float32_grid
 
-_TYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+_FLOAT = 5126
+_TYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", _FLOAT: "<f4"}
 _WHOLE = {5120: 127, 5121: 255, 5122: 32767, 5123: 65535}
 """What a normalized integer is divided by."""
 
@@ -33,8 +34,10 @@ class Primitives:
         self._binary = binary
         self._budget = Budget()
 
-    def of_mesh(self, index: int) -> Iterator[tuple[FloatArray, IntArray]]:
+    def of_mesh(self, index: int) -> Iterator[tuple[FloatArray, IntArray, float]]:
         """Yield the vertices (n, 3) and triangles (m, 3) of each of a mesh's primitives that has triangles.
+
+        With them comes how far apart the floats are in which the file has the vertices; 0 for whole numbers.
 
         Raises:
             MeshError: one cannot be read, then the message names it; or all in all there are too many.
@@ -51,7 +54,7 @@ class Primitives:
             except MeshError as error:
                 raise MeshError(f"meshes[{index}].primitives[{number}]: {error.message}") from error
 
-    def _geometry(self, primitive: Primitive) -> tuple[FloatArray, IntArray]:
+    def _geometry(self, primitive: Primitive) -> tuple[FloatArray, IntArray, float]:
         if _DRACO in primitive.extensions:
             raise MeshError(f"the extension {_DRACO} is not supported by this version")
         if primitive.targets:
@@ -68,7 +71,8 @@ class Primitives:
             vertices = np.maximum(vertices / _WHOLE[accessor.component_type], -1.0)
         if not np.isfinite(vertices).all():
             raise MeshError("a coordinate is not finite")
-        return vertices, renumbered.reshape(-1, 3)
+        grid = float32_grid(vertices) if len(vertices) and accessor.component_type == _FLOAT else 0.0
+        return vertices, renumbered.reshape(-1, 3), grid
 
     def _positions(self, index: int) -> NDArray[Any]:
         """Return an accessor's (n, 3) values as they are stored, a view of the file's bytes."""

@@ -42,6 +42,18 @@ WIDE_TURN = 150.0
 FAN_TOLERANCE = 1e-9
 """Of a polygon's squared area: how far a triangle of a fan may turn against it before the fan does not fit."""
 
+FLAT_TOLERANCE = 1e-5
+"""Of a mesh file's largest coordinate: how far the corners of a polygon may lie off one plane without a warning.
+
+The five or six digits that many files have explain as much.
+"""
+
+COARSE_GRID = 2e-6
+"""Of a mesh file's longest side: 32-bit floats that are farther apart where it lies are warned of.
+
+They are where it lies more than some 20 of its sizes from its own origin.
+"""
+
 PERPENDICULAR_TOLERANCE = 1e-6
 """How far the cosine between an orbit's axis and start may be from 0. Within it the rest is projected out."""
 

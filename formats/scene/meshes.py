@@ -21,7 +21,7 @@ from .shapes import frozen_mesh, scaled_mesh
 from .signatures import named_format
 from .stl import read_stl
 from .surface import MeshError, Surface, Topology, topology, used_only, welded
-from .units import metres_of
+from .units import in_unit, metres, metres_of
 
 
 def _read_3mf(data: bytes) -> Surface:
@@ -86,12 +86,13 @@ class MeshFolder:
         self._meshes: dict[tuple[Path, str, str], Mesh] = {}
         self._scaled: dict[tuple[Mesh, tuple[float, float, float]], Mesh] = {}
 
-    def load(self, name: str, reference: MeshReference) -> LoadedMesh:
+    def load(self, name: str, reference: MeshReference, unit: str = "m") -> LoadedMesh:
         """Return the mesh of a reference, one and the same for equal files, units and axes.
 
         Args:
             name: the mesh's name in the scene.
             reference: the file and how its numbers are meant.
+            unit: of lengths in warnings.
 
         Raises:
             MeshError: the file may not be read, cannot be read, or is no mesh; the message names it.
@@ -109,7 +110,8 @@ class MeshFolder:
         key = path, reference.units, reference.up
         if key not in self._meshes:
             self._meshes[key] = _mesh(name, reference, content)
-        warnings = tuple(f"{printable(reference.file)} {text}" for text in _warnings(content))
+        texts = (*_warnings(content), *_measured(content.surface, reference.units, unit))
+        warnings = tuple(f"{printable(reference.file)} {text}" for text in texts)
         return LoadedMesh(self._meshes[key], path, content.sha256, warnings)
 
     def scaled(self, mesh: Mesh, scale: tuple[float, float, float]) -> Mesh:
@@ -179,3 +181,11 @@ def _warnings(content: _Content) -> list[str]:
     if joined.flat_triangles:
         warnings.append(f"has {counted(joined.flat_triangles, 'zero-area triangle')}")
     return warnings
+
+
+def _measured(surface: Surface, own_unit: str, unit: str) -> list[str]:
+    """Return the warnings that tell of lengths, from the file's own unit into another."""
+    lengths = [in_unit(metres(one.length, own_unit), unit) for one in surface.measured]
+    return [
+        one.text.format(length=f"{length:.3g} {unit}") for one, length in zip(surface.measured, lengths, strict=True)
+    ]

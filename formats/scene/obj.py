@@ -80,7 +80,10 @@ def _read_plain(data: bytes) -> Surface | None:
     sizes = np.fromiter((len(line.split()) for line in faces), dtype=np.int64, count=len(faces))
     if sizes.sum() != len(corners) or sizes.min() < 3 or corners.min() < 0 or corners.max() >= len(points):
         return None
-    return polygon_surface(points, corners, sizes, ()) if np.isfinite(points).all() else None
+    if not np.isfinite(points).all():
+        return None
+    face_lines = [number for number, line in enumerate(lines, start=1) if line.startswith(b"f ")]
+    return polygon_surface(points, corners, sizes, (), face_lines)
 
 
 def _statements(data: bytes) -> Iterator[tuple[int, list[bytes]]]:
@@ -141,7 +144,7 @@ class _Faces:
         sizes: IntArray = np.array(self._sizes, dtype=np.int64)
         self._refuse_forward(corners, sizes, len(vertices))
         warnings = [f"holds {' and '.join(sorted(self.unseen))}, which are left out"] if self.unseen else []
-        return polygon_surface(vertices, corners, sizes, warnings)
+        return polygon_surface(vertices, corners, sizes, warnings, self._lines)
 
     def _refuse_forward(self, corners: IntArray, sizes: IntArray, count: int) -> None:
         """Refuse a face that refers to a vertex the whole file does not have."""

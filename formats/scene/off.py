@@ -48,7 +48,7 @@ def read_off(data: bytes) -> Surface:
     vertices = np.array(values, dtype=np.float64).reshape(-1, 3)
     polygons = np.array(corners, dtype=np.int64), np.array(sizes, dtype=np.int64)
     refuse_unfit(*polygons, lines, len(vertices))
-    return polygon_surface(vertices, *polygons, ())
+    return polygon_surface(vertices, *polygons, (), lines)
 
 
 def _statements(data: bytes) -> Iterator[tuple[int, list[bytes]]]:

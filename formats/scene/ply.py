@@ -7,6 +7,7 @@ and did not load a binary file of triangles and quadrilaterals with a colour eac
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from .errors import quoted
 from .ply_header import Element, read_header
 from .ply_rows import AsciiRows, BinaryRows
 from .polygons import polygon_surface, refuse_unfit
-from .surface import MeshError, Surface
+from .surface import MeshError, Surface, float32_grid, grid_warnings
 
 _CORNERS = ("vertex_indices", "vertex_index")
 _NONE = Element("", 0, ())
@@ -51,7 +52,12 @@ def read_ply(data: bytes) -> Surface:
     rows.finish()
     refuse_unfit(corners, sizes, lines, len(vertices))
     warnings = ["holds edges, which are left out"] if elements.get("edge", _NONE).count else []
-    return polygon_surface(vertices, corners, sizes, warnings)
+    surface = polygon_surface(vertices, corners, sizes, warnings, lines)
+    singles = [axis for axis, column in enumerate(columns) if vertex.properties[column].code == "f"]
+    if not header.order or not singles:
+        return surface
+    used = vertices[corners]
+    return replace(surface, measured=surface.measured + grid_warnings(used, float32_grid(used[:, singles])))
 
 
 def _coordinate_columns(vertex: Element) -> tuple[int, int, int]:

@@ -3,23 +3,67 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from ...scheduler.scene import FloatArray, IntArray
 from .errors import counted
-from .limits import FAN_TOLERANCE
-from .surface import MeshError, Surface
+from .limits import FAN_TOLERANCE, FLAT_TOLERANCE
+from .surface import MeasuredWarning, MeshError, Surface
 
 _MOST_STARTS = 256
 """Corners from which a fan is tried. A polygon of more that is hollow seldom has one, and a million would not end."""
 
 
-def polygon_surface(vertices: FloatArray, corners: IntArray, sizes: IntArray, warnings: Sequence[str]) -> Surface:
-    """Return the surface of polygons, with one more warning if no fan of triangles fits some; see `triangulated`."""
-    triangles, folded = triangulated(vertices, corners, sizes)
-    text = f"holds {counted(folded, 'polygon')} that no fan of triangles fits: what is checked covers more than they do"
-    return Surface(vertices, triangles, (*warnings, text) if folded else tuple(warnings))
+@dataclass(frozen=True, slots=True, eq=False)
+class Triangulation:
+    """Polygons as fans of triangles.
+
+    Attributes:
+        triangles: (m, 3) indices of vertices, in the polygons' order.
+        hubs: (n,) the corner of each polygon from which its fan goes out, from 0.
+        heights: (n,) how far its corners lie off one plane at most, 0 where no fan fits.
+        excesses: (n,) how far its triangles may reach beyond it, an upper bound, 0 where a fan fits.
+    """
+
+    triangles: IntArray
+    hubs: IntArray
+    heights: FloatArray
+    excesses: FloatArray
+
+
+def polygon_surface(
+    vertices: FloatArray, corners: IntArray, sizes: IntArray, warnings: Sequence[str], lines: Sequence[int] = ()
+) -> Surface:
+    """Return the surface of polygons, with warnings of those that have no triangles of their own.
+
+    Args:
+        vertices: (n, 3) finite.
+        corners: indices of vertices, polygon after polygon.
+        sizes: corners of each polygon, >= 3 each.
+        warnings: what else is doubtful in the file.
+        lines: of each polygon, empty if the file has none.
+    """
+    cut = triangulated(vertices, corners, sizes)
+    flat = FLAT_TOLERANCE * np.abs(vertices[corners]).max()
+    folded, bent = cut.excesses > 0.0, cut.heights > flat
+
+    def worst(lengths: FloatArray) -> str:
+        index = int(np.argmax(lengths))
+        face = f"the face in line {lines[index]}" if len(lines) else f"face {index + 1} of {len(sizes)}"
+        return f"{face}, cut from its corner {cut.hubs[index] + 1} of {sizes[index]}"
+
+    measured = []
+    if folded.any():
+        text = f"holds {counted(int(folded.sum()), 'polygon')} that no fan of triangles fits"
+        beyond = "what is checked reaches beyond them by up to about {length}"
+        measured.append(MeasuredWarning(f"{text}: {beyond} ({worst(cut.excesses)})", float(cut.excesses.max())))
+    if bent.any():
+        text = f"holds {counted(int(bent.sum()), 'polygon')} whose corners are not in one plane"
+        off = "they lie up to about {length} off it, and other triangles than those taken would differ"
+        measured.append(MeasuredWarning(f"{text}: {off} ({worst(cut.heights)})", float(cut.heights.max())))
+    return Surface(vertices, cut.triangles, tuple(warnings), measured=tuple(measured))
 
 
 def refuse_unfit(corners: IntArray, sizes: IntArray, lines: Sequence[int], count: int) -> None:
@@ -55,51 +99,79 @@ def first_stray(corners: IntArray, sizes: IntArray, count: int) -> tuple[int, in
     return int(np.searchsorted(np.cumsum(sizes), strays[0], side="right")), int(corners[strays[0]])
 
 
-def triangulated(vertices: FloatArray, corners: IntArray, sizes: IntArray) -> tuple[IntArray, int]:
-    """Return polygons as fans of triangles, and how many polygons no fan fits.
+def triangulated(vertices: FloatArray, corners: IntArray, sizes: IntArray) -> Triangulation:
+    """Return polygons as fans of triangles, each from its first corner whose fan fits.
 
-    A fan fits when none of its triangles turns against the polygon. One that does not still covers the whole of
-    the polygon, and more: the wrong way for contacts, the safe way for clearance.
+    A fan fits when none of its triangles turns against the polygon, whose direction is the sum of theirs: then it
+    covers a flat polygon and nothing else. Where none fits, that of the first corner is taken. It covers every point
+    around which the outline goes, and more: the wrong way for contacts, the safe way for clearance.
 
     Args:
         vertices: (n, 3) finite.
         corners: indices of vertices, polygon after polygon.
         sizes: corners of each polygon, >= 3 each.
-
-    Returns:
-        (m, 3) indices of vertices, in the polygons' order.
     """
     starts = np.cumsum(sizes) - sizes
     firsts = np.cumsum(sizes - 2) - (sizes - 2)
     triangles = np.empty((int(np.sum(sizes - 2)), 3), dtype=np.int64)
-    folded = 0
+    hubs, heights, excesses = np.zeros(len(sizes), dtype=np.int64), np.zeros(len(sizes)), np.zeros(len(sizes))
     for size in np.unique(sizes):
         chosen = np.flatnonzero(sizes == size)
         polygons = corners[starts[chosen][:, None] + np.arange(size)]
         with np.errstate(all="ignore"):  # coordinates whose products overflow are refused where the mesh is used
-            fanned, misfits = _fans(vertices, polygons)
-        triangles[firsts[chosen][:, None] + np.arange(size - 2)] = fanned
-        folded += misfits
-    return triangles, folded
+            cut = _fans(vertices, polygons)
+        triangles[firsts[chosen][:, None] + np.arange(size - 2)] = cut.triangles
+        hubs[chosen], heights[chosen], excesses[chosen] = cut.hubs, cut.heights, cut.excesses
+    return Triangulation(triangles, hubs, heights, excesses)
 
 
-def _fans(vertices: FloatArray, polygons: IntArray) -> tuple[IntArray, int]:
-    """Return (k, size - 2, 3) triangles of k polygons of one size, each from its first corner that fits."""
-    best = _fan(polygons)
-    if polygons.shape[1] == 3:
-        return best, 0
-    normals = _normals(vertices, best).sum(axis=1)
+def _fans(vertices: FloatArray, polygons: IntArray) -> Triangulation:
+    """Return k polygons of one size, their triangles as (k, size - 2, 3)."""
+    count, size = polygons.shape
+    best, hubs, zeros = _fan(polygons), np.zeros(count, dtype=np.int64), np.zeros(count)
+    if size == 3:
+        return Triangulation(best, hubs, zeros, zeros)
+    whole = _normals(vertices, best)
+    normals = whole.sum(axis=1)
     squares = np.einsum("kj,kj->k", normals, normals)
-    misfits = np.arange(len(polygons))
-    for start in range(min(polygons.shape[1], _MOST_STARTS)):
+    areas = np.linalg.norm(whole, axis=2).sum(axis=1)
+    directed = np.sqrt(squares) > FAN_TOLERANCE * areas
+    misfits = np.arange(count)
+    for start in range(min(size, _MOST_STARTS)):
         fans = _fan(np.roll(polygons[misfits], -start, axis=1))
         turns = np.einsum("kij,kj->ki", _normals(vertices, fans), normals[misfits])
-        fits = (turns >= -FAN_TOLERANCE * squares[misfits, None]).all(axis=1)
-        best[misfits[fits]] = fans[fits]
+        fits = (turns >= -FAN_TOLERANCE * squares[misfits, None]).all(axis=1) & directed[misfits]
+        best[misfits[fits]], hubs[misfits[fits]] = fans[fits], start
         misfits = misfits[~fits]
         if not len(misfits):
             break
-    return best, len(misfits)
+    farthest = _farthest(vertices, polygons)
+    nothing = FAN_TOLERANCE * farthest**2  # the area of a mere line, which has no plane
+    heights = np.where(np.sqrt(squares) > nothing, _heights(vertices, polygons, normals), 0.0)
+    excesses = np.where(areas > nothing, 0.5 * farthest, 0.0)
+    heights[misfits] = 0.0
+    excesses[np.setdiff1d(np.arange(count), misfits)] = 0.0
+    return Triangulation(best, hubs, heights, excesses)
+
+
+def _heights(vertices: FloatArray, polygons: IntArray, normals: FloatArray) -> FloatArray:
+    """Return how far the corners of each polygon lie from the plane through their mean across its normal (k, 3)."""
+    lengths = np.linalg.norm(normals, axis=1)
+    units = normals / np.where(lengths > 0.0, lengths, 1.0)[:, None]
+    corners = vertices[polygons]
+    heights: FloatArray = np.abs(np.einsum("kij,kj->ki", corners - corners.mean(axis=1)[:, None], units)).max(axis=1)
+    return heights
+
+
+def _farthest(vertices: FloatArray, polygons: IntArray) -> FloatArray:
+    """Return how far (k,) a corner of each polygon lies from its first one, at most.
+
+    No point of the fan from there is farther than half of it from the outline: it lies on a line from the hub to the
+    edge across, and both ends of that line belong to the outline.
+    """
+    corners = vertices[polygons]
+    farthest: FloatArray = np.linalg.norm(corners - corners[:, :1], axis=2).max(axis=1, initial=0.0)
+    return farthest
 
 
 def _fan(polygons: IntArray) -> IntArray:

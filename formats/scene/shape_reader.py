@@ -72,7 +72,7 @@ class ShapeReader:
 
     def _read_mesh(self, name: str, where: Where, part: MeshReference) -> Mesh | None:
         try:
-            loaded = self._folder.load(name, part)
+            loaded = self._folder.load(name, part, self._scale.length_unit)
         except MeshError as error:
             self._findings.fault((*where, "file"), error.message)
             return None

@@ -9,7 +9,7 @@ import numpy as np
 from ...scheduler.scene import FloatArray
 from .errors import counted, printable, quoted
 from .obj import coordinate
-from .surface import MeshError, Surface
+from .surface import MeshError, Surface, float32_grid, grid_warnings
 
 _HEADER_BYTES = 84
 _TRIANGLE_BYTES = 50
@@ -21,9 +21,11 @@ def read_stl(data: bytes) -> Surface:
     Raises:
         MeshError: the file is cut short or malformed, a coordinate is not finite, or there are no triangles.
     """
-    corners, warnings = _read_ascii(data) if _is_ascii(data) else _read_binary(data)
+    ascii_text = _is_ascii(data)
+    corners, warnings = _read_ascii(data) if ascii_text else _read_binary(data)
     triangles = np.arange(len(corners)).reshape(-1, 3)
-    return Surface(corners, triangles, warnings)
+    measured = () if ascii_text else grid_warnings(corners, float32_grid(corners))
+    return Surface(corners, triangles, warnings, measured=measured)
 
 
 def _is_ascii(data: bytes) -> bool:

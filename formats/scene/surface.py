@@ -8,6 +8,7 @@ import numpy as np
 
 from ...scheduler.distinct import distinct_points
 from ...scheduler.scene import FloatArray, IntArray
+from .limits import COARSE_GRID
 
 
 class MeshError(Exception):
@@ -19,6 +20,19 @@ class MeshError(Exception):
         self.line = line
 
 
+@dataclass(frozen=True, slots=True)
+class MeasuredWarning:
+    """What is doubtful in a mesh file, with a length.
+
+    Attributes:
+        text: with `{length}` where the length belongs.
+        length: in the file's unit.
+    """
+
+    text: str
+    length: float
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Surface:
     """What a mesh file holds.
@@ -27,6 +41,7 @@ class Surface:
         vertices: (n, 3) finite, in the file's unit and axes.
         triangles: (m, 3) indices of vertices, in the file's order, m >= 1.
         warnings: what was doubtful in the file.
+        measured: what was doubtful by how much.
         unit: the unit of length that the file itself states, m, cm, mm, in, ft or micron; None if it states none.
     """
 
@@ -34,6 +49,21 @@ class Surface:
     triangles: IntArray
     warnings: tuple[str, ...]
     unit: str | None = None
+    measured: tuple[MeasuredWarning, ...] = ()
+
+
+def float32_grid(coordinates: FloatArray) -> float:
+    """Return how far apart neighbouring 32-bit floats are at the largest of finite coordinates that are such."""
+    return float(np.spacing(np.float32(np.abs(coordinates).max())))
+
+
+def grid_warnings(vertices: FloatArray, grid: float) -> tuple[MeasuredWarning, ...]:
+    """Return the warning of a surface (n, 3) whose corners stand on a grid that is coarse for its size, if it is."""
+    size = float(np.ptp(vertices, axis=0).max())
+    if not size or grid <= COARSE_GRID * size:
+        return ()
+    text = "lies so far from its own origin that its 32-bit floats put its corners on a grid of {length}"
+    return (MeasuredWarning(f"{text}: move its origin into it, or write it with more digits", grid),)
 
 
 @dataclass(frozen=True, slots=True)

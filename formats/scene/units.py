@@ -25,6 +25,12 @@ def metres_of(values: FloatArray, unit: str) -> FloatArray:
     return values * numerator / denominator
 
 
+def in_unit(value: float, unit: str) -> float:
+    """Return a length in m in `unit`."""
+    numerator, denominator = _METRES[unit]
+    return value * denominator / numerator
+
+
 @dataclass(frozen=True, slots=True)
 class Scale:
     """The units of one file: conversions of its numbers to SI."""
