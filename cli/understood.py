@@ -13,7 +13,7 @@ import numpy as np
 from ..formats.scene.errors import counted
 from ..formats.scene.loaded import LoadedScene
 from ..scheduler.counting import count_pairs
-from ..scheduler.motions import Ballistic, Delayed, Looped
+from ..scheduler.motions import Ballistic, Delayed, Keyframes, Looped
 from ..scheduler.pair import Pair
 from ..scheduler.pairing import ignored_pairs
 from ..scheduler.scene import Body, Scene
@@ -56,15 +56,18 @@ def print_understood(loaded: LoadedScene, pairs: int, margins: list[float]) -> N
     """Print the bodies as a table, then pairs and times."""
     scene, settings = loaded.scene, loaded.settings
     console = console_for()
-    rows = []
+    rows, recorded = [], []
     files = {file.name for file in loaded.trajectory_files}
     for body in scene.bodies[:MOST_ROWS]:
         told = _body(scene, body, files)
         size = "" if told["size"] is None else " x ".join(f"{length:.3g}" for length in told["size"]) + " m"
+        recorded += _recorded_lines(told)
         rows.append([*map(cell, (told["name"], told["parent"] or "", _motion(told), _shapes(told), size))])
     print_rows(console, ("body", "parent", "motion", "shapes (triangles)", "size"), rows)
     if len(scene.bodies) > MOST_ROWS:
         console.print(f"... and {counted(len(scene.bodies) - MOST_ROWS, 'more body', 'more bodies')}")
+    for line in recorded:
+        console.print(cell(line))
     bodies, possible, ignored = (
         counted(len(scene.bodies), "body", "bodies"),
         _possible(scene),
@@ -134,6 +137,7 @@ def _body(scene: Scene, body: Body, files: Container[str]) -> dict[str, Any]:
         "name": body.name,
         "parent": None if body.parent is None else scene.bodies[body.parent].name,
         "motion": "file" if body.name in files else _motion_name(body),
+        "recorded": _recorded(body) if body.name in files else None,
         "top_speed": speeds[0],
         "top_angular_speed": speeds[1],
         "shapes": len(body.shapes),
@@ -142,6 +146,38 @@ def _body(scene: Scene, body: Body, files: Container[str]) -> dict[str, Any]:
         "size": _size(body),
         "exists": list(body.exists) if all(map(isfinite, body.exists)) else None,
     }
+
+
+def _recorded(body: Body) -> dict[str, Any] | None:
+    """Return how many poses a trajectory file has, from when to when (scene s), how often and with what largest gap.
+
+    The rate is one over the median time between poses, in Hz. With a single pose there is neither rate nor gap.
+    """
+    keys = body.motion.keys if isinstance(body.motion, Looped) else body.motion
+    if not isinstance(keys, Keyframes):
+        return None
+    gaps = np.diff(keys.times)
+    widest = int(np.argmax(gaps)) if len(gaps) else 0
+    return {
+        "poses": len(keys.times),
+        "time": [float(keys.times[0]), float(keys.times[-1])],
+        "rate": float(1.0 / np.median(gaps)) if len(gaps) else None,
+        "largest_gap": float(gaps[widest]) if len(gaps) else None,
+        "largest_gap_from": float(keys.times[widest]) if len(gaps) else None,
+    }
+
+
+def _recorded_lines(told: dict[str, Any]) -> list[str]:
+    """Return the line that tells of a body's trajectory file, if it moves by one."""
+    recorded = told["recorded"]
+    if recorded is None:
+        return []
+    first, last = recorded["time"]
+    text = f"{told['name']} is recorded: {counted(recorded['poses'], 'pose')} from {first:.6g} to {last:.6g} s"
+    if recorded["rate"] is None:
+        return [text]
+    largest = f"largest gap {recorded['largest_gap']:.3g} s, from {recorded['largest_gap_from']:.6g} s on"
+    return [f"{text} ({last - first:.6g} s), {recorded['rate']:.4g} Hz, {largest}"]
 
 
 def _motion_name(body: Body) -> str:

@@ -142,7 +142,7 @@ def test_json_tells_the_same_in_si_for_programs(run, folder: Path) -> None:
     assert bodies["carriage"].pop("top_speed") == pytest.approx(0.04 * pi)
     assert bodies["tool"]["parent"] == "carriage"
     assert bodies["carriage"] == {
-        "name": "carriage", "parent": None, "motion": "harmonic", "top_angular_speed": 0.0,
+        "name": "carriage", "parent": None, "motion": "harmonic", "recorded": None, "top_angular_speed": 0.0,
         "shapes": 0, "triangles": 0, "chord_error": 0.0,
         "size": None, "exists": None,
     }  # fmt: skip
