@@ -236,22 +236,27 @@ def test_a_child_is_posed_by_all_its_ancestors() -> None:
     assert [world.anchor(name) for name in bodies] == ["arm", "arm", "base", "world"]
 
 
-def test_meshes_survive_their_files(tmp_path: Path) -> None:
+MESH_FILES = ("obj", "stl", "off", "ply", "glb", "3mf")
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_meshes_survive_their_files(seed: int, tmp_path: Path) -> None:
     triangles = random_solid(np.random.default_rng(3))
     scene = {
         "units": {"length": "mm", "angle": "deg"},
         "time": {"start": 0, "end": 1},
-        "meshes": {kind: {"file": f"it.{kind}", "units": "cm", "up": "y"} for kind in ("obj", "stl")},
-        "bodies": {kind: {"shapes": [{"mesh": kind, "scale": 2}]} for kind in ("obj", "stl")},
+        "meshes": {kind: {"file": f"it.{kind}", "units": "cm", "up": "y"} for kind in MESH_FILES},
+        "bodies": {kind: {"shapes": [{"mesh": kind, "scale": 2}]} for kind in MESH_FILES},
     }
-    for kind in ("obj", "stl"):
-        write_mesh(tmp_path / f"it.{kind}", triangles, 3)
+    for kind in MESH_FILES:
+        write_mesh(tmp_path / f"it.{kind}", triangles, seed, "cm")
     (tmp_path / "scene.yaml").write_text(yaml.safe_dump(scene))
     truth = Truth(tmp_path / "scene.yaml")
     expected = 0.02 * np.stack([triangles[..., 0], -triangles[..., 2], triangles[..., 1]], axis=2)
-    np.testing.assert_allclose(truth.surfaces["obj"].triangles, expected, rtol=1e-15)
-    np.testing.assert_allclose(truth.surfaces["stl"].triangles, expected, atol=2e-9)
-    assert [len(truth.surfaces[kind].solids) for kind in ("obj", "stl")] == [1, 1]
+    for kind in MESH_FILES:
+        single = kind in ("stl", "glb")
+        np.testing.assert_allclose(truth.surfaces[kind].triangles, expected, rtol=1e-15, atol=2e-9 * single)
+        assert len(truth.surfaces[kind].solids) == 1
 
 
 def test_a_seed_always_writes_the_same_scene(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .meshes import read_triangles, topology
-from .motions import Units
+from .motions import Units, known
 from .poses import units_of
 from .rigid import METRES, FloatArray, IntArray, numbers, pose_of
 from .rounds import Round, round_of
@@ -155,4 +155,4 @@ def core_of(scene: Mapping[str, Any], shape: Mapping[str, Any], folder: Path, un
 def mesh_core(mesh: Mapping[str, Any], folder: Path) -> FloatArray:
     """Return a mesh file's triangles (n, 3, 3) in m, z up."""
     triangles = read_triangles(folder / mesh["file"]) * METRES[mesh["units"]]
-    return triangles @ Z_UP_FROM_Y_UP.T if mesh.get("up", "z") == "y" else triangles
+    return triangles @ Z_UP_FROM_Y_UP.T if known(mesh.get("up", "z"), "z", "y") == "y" else triangles

@@ -34,7 +34,7 @@ def check_windows(truth: Truth, log: Log, effort: Effort) -> Iterable[str]:
 
 
 def check_boxes(truth: Truth, log: Log, effort: Effort) -> Iterable[str]:
-    """A body's corners, rounded, stay in its swept box throughout the window; of unknown path, at its rest place."""
+    """A body's corners, rounded, stay in its swept box throughout the window; of unknown path, on one of its paths."""
     rng = np.random.default_rng(effort.seed)
     messages = log.of("windows")
     for message in (messages[i] for i in rng.permutation(len(messages))[: effort.messages]):

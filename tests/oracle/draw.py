@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from .mesh_formats import WRITERS
 from .rigid import METRES, RADIANS, FloatArray
 from .solids import random_solid, write_mesh
 
@@ -46,6 +48,21 @@ class Draw:
     meshes: dict[str, Any] = field(default_factory=dict)
     files: int = 0
     surface: Callable[[np.random.Generator], FloatArray] = random_solid
+
+    def __post_init__(self) -> None:
+        self._other: np.random.Generator | None = np.random.default_rng([self.seed, 1])
+
+    @contextmanager
+    def aside(self) -> Iterator[None]:
+        """Draw from another source: what a seed draws outside stays as it is, whether more or less is drawn inside."""
+        if self._other is None:  # already aside
+            yield
+            return
+        main, self.rng, self._other = self.rng, self._other, None
+        try:
+            yield
+        finally:
+            self.rng, self._other = main, self.rng
 
     def chance(self, probability: float) -> bool:
         return bool(self.rng.random() < probability)
@@ -93,10 +110,14 @@ class Draw:
         if rotation is None:
             return {"xyz": self.metres(place)}
         if self.chance(0.2):
-            matrix = np.eye(4)
-            matrix[:3, :3], matrix[:3, 3] = rotation.as_matrix(), self.metres(place)
-            return {"matrix": matrix.tolist()}
+            return {"matrix": self.matrix(place, rotation)}
         return {"xyz": self.metres(place), **self.turn(rotation)}
+
+    def matrix(self, place: FloatArray, rotation: Rotation) -> list[list[float]]:
+        """Write the 4x4 matrix of a pose: a place (3,) m and a rotation."""
+        matrix = np.eye(4)
+        matrix[:3, :3], matrix[:3, 3] = rotation.as_matrix(), self.metres(place)
+        return list(matrix.tolist())
 
     def random_pose(self, reach: float) -> dict[str, Any]:
         """Write a pose anywhere within `reach` sizes along each axis."""
@@ -126,10 +147,15 @@ class Draw:
         if self.meshes and self.chance(0.2):
             return str(self.rng.choice(sorted(self.meshes)))
         name = f"mesh_{len(self.meshes)}"
-        file, unit = name + self.pick(".obj", ".stl"), self.pick(*METRES)
-        entry: dict[str, Any] = {"file": file, "units": unit}
-        write_mesh(self.folder / file, self.surface(self.rng) * size / METRES[unit], self.seed)
-        if self.chance(0.15):
-            entry["up"] = "y"
+        suffix, unit = self.pick(".obj", ".stl"), self.pick(*METRES)
+        triangles = self.surface(self.rng) * size / METRES[unit]
+        up = "y" if self.chance(0.15) else ""
+        with self.aside():
+            if self.chance(0.3):
+                suffix = self.pick(*WRITERS)
+            if self.chance(0.1):
+                up = up or "z"
+        write_mesh(self.folder / (name + suffix), triangles, self.seed, unit)
+        entry: dict[str, Any] = {"file": name + suffix, "units": unit, **({"up": up} if up else {})}
         self.meshes[name] = entry
         return name

@@ -25,7 +25,25 @@ def random_motion(draw: Draw, kind: str | None = None, vigour: float = 1.0) -> S
     spec = {"type": chosen, **MOTIONS[chosen](draw, vigour * draw.size)}
     if chosen not in ("keyframes", "file", "polynomial", "profile") and draw.chance(0.3):
         spec["t0"] = draw.between(-1.0, 2.0)
+    with draw.aside():
+        for key in MAY_BE_LEFT_OUT.get(chosen, ()):
+            if draw.chance(0.2):
+                spec.pop(key, None)
+        if kind is None and chosen != "file" and draw.chance(0.1):  # it has the most to say
+            return random_motion(draw, "file", vigour)
     return spec
+
+
+MAY_BE_LEFT_OUT = {
+    "constant": ("velocity", "angular_velocity"),
+    "ballistic": ("velocity", "acceleration"),
+    "screw": ("point",),
+    "harmonic": ("phase",),
+    "swing": ("point", "phase"),
+    "profile": ("point",),
+    "limits": ("velocity", "max_angular_speed"),
+}
+"""Keys that are mostly written, by motion; others may be missing as they are drawn."""
 
 
 def velocity(draw: Draw, speed: float) -> Any:
@@ -104,6 +122,9 @@ def polynomial(draw: Draw, reach: float) -> Spec:
     degree, half = int(draw.rng.integers(1, 7)), 0.5 * (draw.end - draw.start)
     terms = [draw.direction() * reach * draw.between(0.0, 1.5) / half**k for k in range(degree + 1)]
     out: Spec = {"coefficients": [draw.metres(term) for term in terms], "t0": draw.start + half}
+    with draw.aside():
+        if draw.start == 0.0 and draw.chance(0.2):  # the same about the start, and twice as far at the end
+            del out["t0"]
     return out | {"angular_velocity": spin(draw)} if draw.chance(0.5) else out
 
 
@@ -126,13 +147,20 @@ def keyframes(draw: Draw, reach: float) -> Spec:
     ticks, outside = spread_ticks(draw, int(draw.rng.integers(0, 5)))
     shift = int(draw.rng.integers(-40, 40)) if draw.chance(0.3) else 0
     keys = wandering_keys(draw, [tick - shift for tick in ticks], reach)
+    with draw.aside():
+        if draw.chance(0.05):
+            keys, outside = keys[:1], {"before": "hold", "after": "hold"}
     out: Spec = {"keys": keys, **outside}
     if shift:
         out["t0"] = shift * TICK
     ways = {"translation": draw.pick("linear", "cubic", "step"), "rotation": draw.pick("slerp", "slerp", "step")}
     if ways != {"translation": "linear", "rotation": "slerp"} or draw.chance(0.5):
+        with draw.aside():
+            for way, usual in (("translation", "linear"), ("rotation", "slerp")):
+                if ways[way] == usual and draw.chance(0.3):
+                    del ways[way]
         out["interpolation"] = ways
-    if ways["translation"] == "cubic" and draw.chance(0.5):
+    if ways.get("translation") == "cubic" and draw.chance(0.5):
         for key in keys:
             key["velocity"] = velocity(draw, 2.0 * reach)
     if draw.chance(0.5):
@@ -155,6 +183,10 @@ def spread_ticks(draw: Draw, inner: int) -> tuple[list[int], Spec]:
             end = last - int(draw.rng.integers(1, (last - first) // 2))
             outside["after"] = draw.pick("hold", "loop")
     chosen = draw.rng.choice(np.arange(begin + 1, end), inner, replace=False)
+    with draw.aside():
+        for side in ("before", "after"):
+            if draw.chance(0.2):
+                outside.setdefault(side, "error")
     return [begin, *sorted(chosen.tolist()), end], outside
 
 
@@ -176,7 +208,13 @@ def wandering_keys(draw: Draw, ticks: list[int], reach: float) -> list[Spec]:
     keys = []
     for tick, (place, rotation) in zip(ticks, wandering(draw, len(ticks), reach), strict=True):
         turn = draw.turn(rotation) if rotation.magnitude() > 0.0 else {}
-        keys.append({"t": tick * TICK, "xyz": draw.metres(place), **turn})
+        pose = {"xyz": draw.metres(place), **turn}
+        with draw.aside():
+            if draw.chance(0.05):
+                pose = {"matrix": draw.matrix(place, rotation)}
+            elif draw.chance(0.03):
+                del pose["xyz"]
+        keys.append({"t": tick * TICK, **pose})
     return keys
 
 
@@ -184,6 +222,9 @@ def file(draw: Draw, reach: float) -> Spec:
     """Write a trajectory file of 4 to 20 poses, its clock started long before, and the motion along it."""
     ticks, outside = spread_ticks(draw, int(draw.rng.integers(2, 19)))
     first = draw.pick(0, 0, 1_400_000_000 * 64)
+    with draw.aside():
+        if draw.chance(0.2):  # the scene's own clock
+            first = ticks[0]
     clocks = [first + tick - ticks[0] for tick in ticks]
     layout, origin = draw.pick("tum", "csv"), draw.pick("first", "first", "zero")
     out: Spec = {"file": f"path_{draw.files}.{'txt' if layout == 'tum' else 'csv'}", "layout": layout, **outside}
@@ -195,6 +236,13 @@ def file(draw: Draw, reach: float) -> Spec:
         out["t0"] = (ticks[0] - start) * TICK
     if draw.chance(0.4):
         out["interpolation"] = {"translation": draw.pick("linear", "cubic")}
+    with draw.aside():
+        if draw.chance(0.3):
+            ways = {"translation": draw.pick("linear", "cubic", "step"), "rotation": draw.pick("slerp", "step")}
+            written = draw.pick(("translation", "rotation"), ("translation",), ("rotation",))
+            out["interpolation"] = {way: ways[way] for way in written}
+        if draw.chance(0.2):
+            out["max_gap"] = draw.end - draw.start
     poses = wandering(draw, len(ticks), 0.5 * reach)
     times = [repr(clock * TICK) for clock in clocks]
     if layout == "tum":
@@ -203,6 +251,8 @@ def file(draw: Draw, reach: float) -> Spec:
             lines.append(" ".join([time, *map(repr, place.tolist()), *map(repr, rotation.as_quat().tolist())]))
     else:
         unit = draw.pick(draw.length, "mm", "m")
+        with draw.aside():
+            unit = draw.pick(unit, *METRES)
         if unit != draw.length or draw.chance(0.5):
             out["units"] = unit
         lines = csv_lines(draw, times, [(place / METRES[unit], rotation) for place, rotation in poses])
@@ -223,6 +273,21 @@ def csv_lines(draw: Draw, times: list[str], poses: list[tuple[FloatArray, Rotati
     return lines
 
 
+def limits(draw: Draw, reach: float) -> Spec:
+    """Write a path of which only the limits are known; the oracle takes one of those within them."""
+    speed = reach * draw.between(0.05, 0.4)
+    out = {
+        "velocity": draw.metres(draw.direction() * speed),
+        "max_speed": draw.metres(1.2 * speed),
+        "max_acceleration": draw.metres(speed),
+        "max_angular_speed": draw.radians(draw.between(0.0, 1.0)),
+    }
+    with draw.aside():
+        if draw.chance(0.3):
+            del out[draw.pick("max_speed", "max_acceleration")]
+    return out
+
+
 MOTIONS: dict[str, Callable[[Draw, float], Spec]] = {
     "constant": constant,
     "ballistic": ballistic,
@@ -234,6 +299,9 @@ MOTIONS: dict[str, Callable[[Draw, float], Spec]] = {
     "profile": profile,
     "keyframes": keyframes,
     "file": file,
+    "limits": limits,
 }
 
-KINDS = (*MOTIONS, "keyframes", "keyframes")
+KNOWN = tuple(kind for kind in MOTIONS if kind != "limits")
+KINDS = (*KNOWN, "keyframes", "keyframes")
+"""Motions as a scene takes them unless it names one: of known paths."""

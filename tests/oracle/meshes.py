@@ -1,4 +1,4 @@
-"""Mesh files read from scratch (OBJ, STL), and what holds of a triangle set: its parts, whether it is closed."""
+"""Mesh files read from scratch, and what holds of a triangle set: its parts, whether it is closed."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from .mesh_formats import READERS
 from .rigid import FloatArray
 
 STL_RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -22,6 +23,8 @@ def read_triangles(path: Path) -> FloatArray:
         return read_obj(path)
     if path.suffix.lower() == ".stl":
         return read_stl(path)
+    if path.suffix.lower() in READERS:
+        return READERS[path.suffix.lower()](path.read_bytes())
     raise NotImplementedError(f"the oracle does not read {path.suffix} files")
 
 

@@ -22,6 +22,13 @@ class Units:
     radians: float
 
 
+def known(word: str, *words: str) -> str:
+    """Return the word, which must be one of those that the oracle knows."""
+    if word not in words:
+        raise NotImplementedError(f"the oracle knows {', '.join(words)}, not {word!r}")
+    return word
+
+
 def motion_at(spec: Spec, times: FloatArray, units: Units) -> FloatArray:
     """Return matrices (n, 4, 4) at scene times (n,) s of any motion but the paths (see paths)."""
     if spec["type"] not in MOTIONS:
@@ -97,7 +104,7 @@ def trapezoid(t: FloatArray, travel: float, velocity: float, acceleration: float
 
 
 def profile(spec: Spec, t: FloatArray, units: Units) -> FloatArray:
-    slides = spec["kind"] == "slide"
+    slides = known(spec["kind"], "slide", "turn") == "slide"
     scale = units.metres if slides else units.radians
     begin, end = float(spec["from"]) * scale, float(spec["to"]) * scale
     gone = trapezoid(t, abs(end - begin), float(spec["max_velocity"]) * scale, float(spec["max_acceleration"]) * scale)
@@ -109,9 +116,20 @@ def profile(spec: Spec, t: FloatArray, units: Units) -> FloatArray:
 
 
 def limits(spec: Spec, t: FloatArray, units: Units) -> FloatArray:
-    """Return one of the paths within the limits: straight on."""
-    velocity = numbers(spec.get("velocity", ZERO)) * units.metres
-    return rigid(None, np.maximum(t, 0.0)[:, None] * velocity)
+    """Return one of the paths within the limits: straight on as fast as may be, turning about the way."""
+    velocity = numbers(spec.get("velocity", ZERO))
+    begin = float(np.linalg.norm(velocity))
+    way = velocity / begin if begin > 0.0 else np.array([1.0, 0.0, 0.0])
+    most, steepness = (float(spec.get(key, np.inf)) for key in ("max_speed", "max_acceleration"))
+    since = np.maximum(t, 0.0)
+    if np.isinf(steepness):
+        gone = most * since
+    else:
+        rising = np.minimum(since, (most - begin) / steepness if steepness > 0.0 else np.inf)
+        cruising = np.where(since > rising, since - rising, 0.0)
+        gone = begin * rising + 0.5 * steepness * rising**2 + (begin + steepness * rising) * cruising
+    turn = rotations(way, float(spec.get("max_angular_speed", 0.0)) * units.radians * since)
+    return rigid(turn, (gone * units.metres)[:, None] * way)
 
 
 MOTIONS: dict[str, Callable[[Spec, FloatArray, Units], FloatArray]] = {

@@ -31,6 +31,11 @@ UP = np.array([0.0, 0.0, 1.0])
 def write_pairs(number: int, folder: Path) -> Path:
     """Write the scene of this number, of 4 to 6 bodies, into the folder and return the scene file."""
     draw = begun(FIRST_SEED + number, folder)
+    return write_document(scene_of_pairs(draw), draw)
+
+
+def scene_of_pairs(draw: Draw) -> dict[str, Any]:
+    """Return the document of a scene of 4 to 6 bodies, whose meshes and trajectories are written."""
     draw.surface = random_surface
     shortened(draw, draw.pick(0.75, 1.0, 1.5))
     bodies: Bodies = {}
@@ -44,10 +49,12 @@ def write_pairs(number: int, folder: Path) -> Path:
     names = list(bodies)
     draw.rng.shuffle(names)
     scene = scene_of(draw, {name: bodies[name] for name in names}, {})
-    scene["settings"].pop("margin", None)
+    settings = scene.setdefault("settings", {})
+    for key in ("margin", "distance_tolerance"):
+        settings.pop(key, None)
     if draw.chance(0.1):
-        scene["settings"]["margin"] = draw.metres(0.1 * random_margin(draw))
-    return write_document(scene, draw)
+        settings["margin"] = draw.metres(0.1 * random_margin(draw))
+    return scene
 
 
 def frame(draw: Draw, bodies: Bodies) -> str | None:
@@ -77,24 +84,12 @@ def free_body(draw: Draw, bodies: Bodies) -> dict[str, Any]:
     if draw.chance(0.3):
         body["parent"] = draw.pick(*parents)
     if draw.chance(0.05):
-        body["motion"] = within_limits(draw)
+        body["motion"] = random_motion(draw, "limits")
     elif draw.chance(0.9):
         body["motion"] = random_motion(draw, vigour=draw.pick(0.5, 1.0, 2.0))
     if draw.chance(0.05):
         body["exists"] = random_existence(draw)
     return body
-
-
-def within_limits(draw: Draw) -> dict[str, Any]:
-    """Write a motion of which only the limits are known; the oracle takes the path straight on."""
-    speed = draw.size * draw.between(0.05, 0.4)
-    return {
-        "type": "limits",
-        "velocity": draw.metres(draw.direction() * speed),
-        "max_speed": draw.metres(1.2 * speed),
-        "max_acceleration": draw.metres(speed),
-        "max_angular_speed": draw.radians(draw.between(0.0, 1.0)),
-    }
 
 
 def skimming_couple(draw: Draw, parent: str | None, name: str) -> Bodies:
@@ -188,7 +183,8 @@ def level(vector: Any) -> list[float]:
 def flat_key(key: dict[str, Any]) -> dict[str, Any]:
     """Return a key with its place, velocity and turn in the plane."""
     out = {name: value for name, value in key.items() if name in ("t", "name")}
-    out["xyz"] = level(key["xyz"])
+    place = [row[3] for row in key["matrix"][:3]] if "matrix" in key else key.get("xyz", [0.0, 0.0, 0.0])
+    out["xyz"] = level(place)
     if "velocity" in key:
         out["velocity"] = level(key["velocity"])
     if "axis_angle" in key:

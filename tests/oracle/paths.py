@@ -12,10 +12,11 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from .motions import Spec, Units
+from .motions import Spec, Units, known
 from .rigid import METRES, FloatArray, IntArray, numbers, pose_of, rigid
 
 PATHS = ("keyframes", "file")
+OUTSIDE = ("error", "hold", "loop")
 
 FOREVER = 1e300
 """s: the period of a single key."""
@@ -130,10 +131,10 @@ def path_of(spec: Spec, units: Units, folder: Path) -> KeyPath:
     shift = float(spec.get("t0", 0.0))
     ways = spec.get("interpolation", {})
     rest = (
-        ways.get("translation", "linear"),
-        ways.get("rotation", "slerp"),
-        spec.get("before", "error"),
-        spec.get("after", "error"),
+        known(ways.get("translation", "linear"), "linear", "cubic", "step"),
+        known(ways.get("rotation", "slerp"), "slerp", "step"),
+        known(spec.get("before", "error"), *OUTSIDE),
+        known(spec.get("after", "error"), *OUTSIDE),
     )
     if spec["type"] == "file":
         times, poses = read_trajectory(spec, units, folder)
@@ -165,9 +166,9 @@ def read_trajectory(spec: Spec, units: Units, folder: Path) -> tuple[FloatArray,
     if "period" in spec:
         for number, row in enumerate(rows):
             row["t"] = Decimal(repr(spec["period"])) * number
-    rows = without_duplicates(rows, spec.get("duplicates", "error"))
+    rows = without_duplicates(rows, known(spec.get("duplicates", "error"), "error", "first", "last"))
     clocks = [Decimal(row["t"]) for row in rows]
-    origin = clocks[0] if spec.get("time_origin", "first") == "first" else Decimal(0)
+    origin = clocks[0] if known(spec.get("time_origin", "first"), "first", "zero") == "first" else Decimal(0)
     times = np.array([float(clock - origin) for clock in clocks])
     poses = np.array([pose_of(row_pose(row), metres, units.radians) for row in rows])
     return times, poses

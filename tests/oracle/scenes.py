@@ -21,8 +21,13 @@ Bodies = dict[str, dict[str, Any]]
 def write_scene(seed: int, folder: Path) -> Path:
     """Write the scene of this seed into the folder and return the scene file, named after the seed."""
     draw = begun(seed, folder)
+    return write_document(random_scene(draw), draw)
+
+
+def random_scene(draw: Draw) -> dict[str, Any]:
+    """Return the document of a random scene, whose meshes and trajectories are written."""
     bodies = random_bodies(draw)
-    return write_document(scene_of(draw, bodies, random_rules(draw, bodies)), draw)
+    return scene_of(draw, bodies, random_rules(draw, bodies))
 
 
 def begun(seed: int, folder: Path) -> Draw:
@@ -44,6 +49,11 @@ def begun(seed: int, folder: Path) -> Draw:
 def scene_of(draw: Draw, bodies: Bodies, rules: dict[str, Any]) -> dict[str, Any]:
     """Return the document of bodies and their `pairs` section."""
     settings: dict[str, Any] = {"time_resolution": draw.pick(1e-3, 1e-3, 5e-3, 2e-4)}
+    with draw.aside():
+        if settings["time_resolution"] == 1e-3 and draw.chance(0.3):  # which is the default
+            settings = {}
+        if draw.chance(0.1):
+            settings["distance_tolerance"] = draw.pick("none", 0.1, 0.003)
     if draw.chance(0.3):
         settings["contact_tolerance"] = draw.pick(1e-5, 1e-7)
     if draw.chance(0.4):
@@ -56,8 +66,12 @@ def scene_of(draw: Draw, bodies: Bodies, rules: dict[str, Any]) -> dict[str, Any
         "meshes": draw.meshes,
         "bodies": bodies,
     }
-    if not draw.meshes:
-        del scene["meshes"]
+    for empty in ("settings", "meshes"):
+        if not scene[empty]:
+            del scene[empty]
+    with draw.aside():
+        if draw.chance(0.1):
+            scene = {"$schema": "closecall.schema.json", **scene}
     return scene | {"pairs": rules} if rules else scene
 
 
@@ -119,6 +133,11 @@ def random_body(draw: Draw, bodies: Bodies) -> dict[str, Any]:
     body["shapes"] = random_shapes(draw)
     if draw.chance(0.85):
         body["motion"] = random_motion(draw)
+    with draw.aside():
+        if draw.chance(0.05):
+            body["motion"] = random_motion(draw, "limits")
+        if draw.chance(0.05) and "parent" in body:
+            del body["pose"]
     if draw.chance(0.3):
         body["groups"] = [draw.pick("red", "blue")]
     if draw.chance(0.15):
@@ -174,6 +193,12 @@ def random_rules(draw: Draw, bodies: Bodies) -> dict[str, Any]:
         rules["margins"] = [{"between": side, "margin": draw.metres(random_margin(draw))} for side in sides]
     elif draw.chance(0.1):
         rules["margins"] = [{"between": ["*", "*"], "margin": 0}]
+    with draw.aside():
+        if draw.chance(0.1):
+            rules.setdefault("default", "check")
+        for rule in rules.get("margins", ()):
+            if draw.chance(0.2):
+                rule["reason"] = "a narrow passage"
     return rules
 
 

@@ -1,4 +1,4 @@
-"""Closed non-convex triangle meshes for random scenes, and writers for OBJ and binary STL."""
+"""Closed non-convex triangle meshes for random scenes, and the files that they are written to."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from .mesh_formats import WRITERS
 from .meshes import STL_RECORD
 from .rigid import FloatArray
 
@@ -112,8 +113,11 @@ def face(axis: int, side: int) -> FloatArray:
     return corners if side else corners[::-1]
 
 
-def write_mesh(path: Path, triangles: FloatArray, seed: int) -> None:
-    """Write triangles (n, 3, 3) as the suffix says: OBJ with shared vertices, or binary STL (float32)."""
+def write_mesh(path: Path, triangles: FloatArray, seed: int, unit: str = "m") -> None:
+    """Write triangles (n, 3, 3) in a unit as the suffix says; of OBJ with shared vertices, of STL binary (float32)."""
+    if path.suffix in WRITERS:
+        path.write_bytes(WRITERS[path.suffix](triangles, unit, seed))
+        return
     if path.suffix == ".obj":
         points, index = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
         lines = [f"# closecall oracle, seed {seed}"]

@@ -30,7 +30,7 @@ def write_translations(number: int, folder: Path) -> Path:
     for index in range(5):
         bodies[f"body_{index}"] = translating_body(draw, index)
     scene = scene_of(draw, bodies, {})
-    scene["settings"].pop("margin", None)
+    scene.get("settings", {}).pop("margin", None)
     return write_document(scene, draw)
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from .bodies import Surface, surface_of
 from .distance import PairDistance
+from .motions import known
 from .poses import Kinematics, read_scene
 from .rigid import METRES, FloatArray, inverse, rigid
 
@@ -118,7 +119,7 @@ class Truth:
             return True
         if any(self._names(rule, a, b) for rule in rules.get("ignore", ())):
             return False
-        return rules.get("default", "check") == "check"
+        return known(rules.get("default", "check"), "check", "ignore") == "check"
 
     def margin(self, a: str, b: str) -> float:
         """Return m: the pair's margin, by the last rule that names it, else the scene's."""
