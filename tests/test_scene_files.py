@@ -150,7 +150,7 @@ def test_a_doubtful_trajectory_is_warned_of_where_the_scene_names_it(folder: Pat
     (folder / "turn.csv").write_text(f"t,x,y,z,yaw,pitch,roll,note\n{rows}")
     left_out, wide = warnings(folder, file_motion("file: turn.csv, layout: csv"))
     assert left_out == "6:32: bodies.a.motion.file: turn.csv: has columns that are left out: 'note'"
-    assert wide.startswith("6:32: bodies.a.motion.file: turn.csv: turns by more than 150 degrees")
+    assert wide.startswith("6:32: bodies.a.motion.file: turn.csv: lines 2 and 3 are 160.0 degrees apart: ")
 
 
 @pytest.mark.parametrize("kind", ["trajectory", "mesh"])

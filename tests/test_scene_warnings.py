@@ -138,7 +138,7 @@ def keyframes(keys: str, options: str = "") -> str:
 
 
 def test_keys_far_apart_are_warned_of_where_slerp_may_mislead(tmp_path: Path) -> None:
-    keys = "{t: 0}, {t: 0.3, rpy: [0, 0, 149]}, {t: 0.6, rpy: [0, 0, -59]}, {t: 1, rpy: [0, 0, 121]}"
+    keys = "{t: 0}, {t: 0.3, rpy: [0, 0, 149]}, {t: 0.6, rpy: [0, 0, 301]}, {t: 1, rpy: [0, 0, 121]}"
     first, second = warnings(tmp_path, keyframes(keys))
     assert first == (
         "6:74: bodies.a.motion.keys[2]: keys 1 and 2 are 152.0 degrees apart: "

@@ -331,25 +331,23 @@ def test_columns_that_are_left_out_are_named() -> None:
 
 
 def test_lengths_off_1_are_told_and_normalised() -> None:
-    rows = ["0 0 0 0 0 0 0 1", "1 0 0 0 0 0 0 1.0000009", "2 0 0 0 0 0 0.6004 0.8", "3 0 0 0 0 0 0 0.9999"]
+    rows = ["0 0 0 0 0 0 0 1", "1 0 0 0 0 0 0 1.000009", "2 0 0 0 0 0 0.6004 0.8", "3 0 0 0 0 0 0 0.9999"]
     found = tum("#\n" + "\n".join(rows))
-    assert found.warnings == (
-        "has 2 quaternions whose length is off 1, by up to 0.00024 in line 4: they are normalised",
-    )
+    assert found.loose == "has 2 quaternions whose length is off 1, by up to 0.00024 in line 4"
+    assert found.stretch == pytest.approx(0.6004**2 + 0.8**2 - 1.0)
+    assert found.warnings == ()
     assert np.abs(np.linalg.norm(found.quaternions, axis=1) - 1).max() < 3e-16
     assert found.quaternions[2, 3] / found.quaternions[2, 0] == pytest.approx(0.6004 / 0.8, rel=1e-15)
 
 
 def test_wide_turns_between_poses_are_told() -> None:
-    assert tum(turned_by(0, 149, 0, 149)).warnings == ()
-    (wide,) = tum(turned_by(0, 10, 161, 0)).warnings
-    assert wide.startswith(
-        "turns by more than 150 degrees between successive poses 2 times, first between lines 2 and 3 (151"
-    )
-    ambiguous, wide = tum(turned_by(0, 180, 20)).warnings
-    assert "half a turn between successive poses 1 time, first between lines 1 and 2 (180.0 degrees)" in ambiguous
-    assert "first between lines 2 and 3 (160.0 degrees)" in wide
-    assert tum("0 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 -1\n").warnings == ()
+    assert tum(turned_by(0, 149, 0, 149)).turns == ()
+    (wide,) = tum(turned_by(0, 10, 161, 0)).turns
+    assert wide.startswith("lines 2 and 3 are 151.0 degrees apart (and 1 more such): the shorter way is taken")
+    ambiguous, wide = tum(turned_by(0, 180, 20)).turns
+    assert ambiguous == "lines 1 and 2 are 180.0 degrees apart: which way round is ambiguous, add a pose between"
+    assert wide == "lines 2 and 3 are 160.0 degrees apart: the shorter way is taken, is a pose missing?"
+    assert tum("0 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 -1\n").turns == ()
 
 
 SEEDS = [

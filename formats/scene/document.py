@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import NoReturn
+from typing import NamedTuple, NoReturn
 
 from .errors import Fault, SceneError, Where, place_text, suggestion
 
@@ -47,11 +47,20 @@ class Document:
         return self.keys.get(where) or self.value_position(where)
 
 
+class Loose(NamedTuple):
+    """A rotation that is not quite one: where, how far it stretches, less 1, and what is off."""
+
+    where: Where
+    stretch: float
+    told: str
+
+
 class Findings:
     """What is wrong with a document and what is doubtful, gathered so that one reading tells all of it."""
 
     def __init__(self, document: Document) -> None:
         self.document = document
+        self.loose_rotations: list[Loose] = []
         self.faults: list[Fault] = []
         self.warnings: list[Fault] = []
         self._comparisons_left = MOST_COMPARISONS
@@ -68,6 +77,10 @@ class Findings:
     def warn(self, where: Where, message: str) -> None:
         """Record that the value at `where` is doubtful."""
         self.warnings.append(self._located(self.document.value_position(where), where, message))
+
+    def loose(self, where: Where, stretch: float, told: str) -> None:
+        """Record a rotation that is not quite one; what that moves is known only when all is read."""
+        self.loose_rotations.append(Loose(where, stretch, told))
 
     def suggestion(self, name: str, candidates: Collection[str]) -> str:
         """Return ` (did you mean 'x'?)` for the nearest of the names that there are, while there is time to look."""

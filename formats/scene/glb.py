@@ -14,10 +14,10 @@ import numpy as np
 
 from ...scheduler.scene import FloatArray
 from .assembly import Assembly
-from .errors import quoted
+from .errors import counted, quoted
 from .glb_primitives import Primitives
 from .gltf import Document, Node, parsed_document
-from .limits import QUATERNION_TOLERANCE
+from .limits import ROTATION_ROUNDING, ROTATION_TOLERANCE
 from .surface import MeshError, Surface
 
 _HEADER = struct.Struct("<4sII")
@@ -41,9 +41,12 @@ def read_glb(data: bytes) -> Surface:
     document = parsed_document(text)
     _refuse_foreign(document)
     primitives = Primitives(document, binary)
-    assembly = Assembly()
+    assembly, loose = Assembly(), dict[int, float]()
     for index, transform in _placed_nodes(document):
         node = document.nodes[index]
+        off = abs(float(np.linalg.norm(node.rotation)) - 1.0)
+        if node.matrix is None and off > ROTATION_ROUNDING:
+            loose[index] = off
         if node.skin is not None or _INSTANCES in node.extensions:
             what = f"the extension {_INSTANCES} is" if node.skin is None else "skinned meshes are"
             raise MeshError(f"nodes[{index}]: {what} not supported by this version")
@@ -51,6 +54,10 @@ def read_glb(data: bytes) -> Surface:
             for vertices, triangles, grid in primitives.of_mesh(node.mesh):
                 assembly.place(vertices, triangles, transform, grid)
     warnings = sorted(f"holds {what}, which are left out" for what in primitives.left_out)
+    if loose:
+        worst = max(loose, key=loose.__getitem__)
+        nodes = f"has {counted(len(loose), 'node')} whose quaternion's length is off 1"
+        warnings.append(f"{nodes}, by up to {loose[worst]:.2g} in nodes[{worst}]: it is normalised")
     if document.animations:
         warnings.append("holds animations, which are left out: its nodes stand as they are written")
     if document.scene is None and len(document.scenes) > 1:
@@ -133,7 +140,7 @@ def _transform(node: Node, index: int) -> FloatArray:
         return matrix
     x, y, z, w = node.rotation
     norm = float(np.linalg.norm(node.rotation))
-    if not abs(norm - 1) <= QUATERNION_TOLERANCE:
+    if not abs(norm - 1) <= ROTATION_TOLERANCE:
         raise MeshError(f"nodes[{index}].rotation: expected a quaternion of length 1, got {norm:g}")
     x, y, z, w = x / norm, y / norm, z / norm, w / norm
     turn = np.array((

@@ -24,17 +24,23 @@ The squares of smaller lengths would be lost. In the scene itself no number is r
 SHORTEST_DIRECTION = 1e-290
 """A direction whose components are all smaller is refused: floats so near to 0 have no digits left to say where to."""
 
-QUATERNION_TOLERANCE = 1e-3
-"""How far the length of a quaternion may be from 1. Within it the quaternion is normalised, else refused."""
+ROTATION_ROUNDING = 1e-5
+"""How far a rotation may be off without a word: the length of a quaternion, or any stretch of a matrix, from 1.
 
-MATRIX_TOLERANCE = 1e-6
-"""How far an entry of R^T R and the determinant may be from a rotation's, and the last row from 0 0 0 1.
-
-Within it the nearest rotation is taken, beyond it the matrix is refused.
+Rotations written to 5 decimals are within it. The nearest one is taken.
 """
+
+ROTATION_TOLERANCE = 1e-3
+"""So far it may be off with a warning of how far that moves the body's points. Beyond, it is refused."""
+
+LAST_ROW_TOLERANCE = 1e-6
+"""How far an entry of a matrix's last row may be from 0 0 0 1."""
 
 AMBIGUOUS_TURN = 1e-6
 """rad. Keys this near to half a turn apart are warned of: rounding decides which way round they turn."""
+
+PARALLEL_AXES = 1e-12
+"""How far the cosine between two axes may be from 1 where turns about them count as turns about one."""
 
 WIDE_TURN = 150.0
 """deg. Keys further apart than this are warned of: a missing key would go unnoticed."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import math
 from collections.abc import Callable
 from decimal import Decimal
 from itertools import pairwise
@@ -19,12 +18,13 @@ from .document import Findings
 from .errors import Where, printable, quoted
 from .folder import Folder, FolderError
 from .grammar.motions import FileMotion, Key, KeyframesMotion, PathMotion
-from .limits import AMBIGUOUS_TURN, SMALLEST_SIZE, WIDE_TURN
+from .limits import SMALLEST_SIZE
 from .loaded import InputFile, KeyNames
 from .names import name_problem, normal
-from .poses import placement, successive_turns
+from .poses import placement
 from .trajectories import LARGEST_TRAJECTORY, Trajectory, TrajectoryError, read_trajectory
 from .trajectory_kitti import Clock, Stamps, read_stamps
+from .turns import spelling_of, turn_warnings, written_turn
 from .units import Scale, metres_of
 
 Content = TypeVar("Content", Trajectory, Stamps)
@@ -73,7 +73,7 @@ class PathReader:
             return Fixed()
         quaternions = np.array([place.quaternion for place in placements])
         if part.interpolation.rotation == "slerp":
-            _warn_of_wide_turns(quaternions, keys, self._findings)
+            self._warn_of_turns(part.keys, quaternions, keys)
         if names:
             self._keep_names(part, body, times, names)
         translations = np.array([place.translation for place in placements])
@@ -93,8 +93,11 @@ class PathReader:
         self._check_times(part, times, needed, (first, last), where)
         if len(self._findings.faults) > faults_before:
             return Fixed()
-        for warning in trajectory.warnings:
+        turns = trajectory.turns if part.interpolation.rotation == "slerp" else ()
+        for warning in (*trajectory.warnings, *turns):
             self._findings.warn((*where, "file"), f"{shown}: {warning}")
+        if trajectory.loose:
+            self._findings.loose((*where, "file"), trajectory.stretch, f"{shown}: {trajectory.loose}")
         translations = metres_of(trajectory.translations, self._length_unit(part))
         return _path(part, times, translations, trajectory.quaternions, None)
 
@@ -191,6 +194,13 @@ class PathReader:
             problem = f"poses over {period:.6g} s are too short a loop for the scene's time"
             self._findings.fault(where, f"{problem}, expected at least {self._least_period:.6g} s")
 
+    def _warn_of_turns(self, keys: tuple[Key, ...], quaternions: FloatArray, where: Where) -> None:
+        """Warn where slerp's way between two keys may not be the one that was meant."""
+        spellings = [spelling_of(key, self._scale) for key in keys]
+        written = np.array([written_turn(one, other) for one, other in pairwise(spellings)])
+        for first, text in turn_warnings(quaternions, written, lambda i: f"keys {i} and {i + 1}", "key"):
+            self._findings.warn((*where, first + 1), text)
+
     def _velocities(self, part: KeyframesMotion, where: Where) -> FloatArray | None:
         """Return the keys' velocities (n, 3) m/s, None where they have none."""
         given = [i for i, key in enumerate(part.keys) if key.velocity is not None]
@@ -265,14 +275,3 @@ def _check_order(keys: tuple[Key, ...], where: Where, findings: Findings) -> Non
         elif after.t < before.t:
             problem = f"expected a time after the key before it ({quoted(before.t)} s), got {quoted(after.t)} s"
             findings.fault((*where, i, "t"), problem)
-
-
-def _warn_of_wide_turns(quaternions: FloatArray, where: Where, findings: Findings) -> None:
-    """Warn where slerp's way between two keys may not be the one that was meant."""
-    angles = successive_turns(quaternions)
-    for i in np.flatnonzero(angles > math.radians(WIDE_TURN)):
-        between = f"keys {i} and {i + 1} are {math.degrees(angles[i]):.1f} degrees apart"
-        if angles[i] > math.pi - AMBIGUOUS_TURN:
-            findings.warn((*where, int(i) + 1), f"{between}: which way round is ambiguous, add a key between")
-        else:
-            findings.warn((*where, int(i) + 1), f"{between}: the shorter way is taken, is a key missing?")

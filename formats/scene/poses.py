@@ -13,7 +13,7 @@ from .arrays import read_only
 from .document import Findings
 from .errors import Where, quoted
 from .grammar.poses import Pose
-from .limits import MATRIX_TOLERANCE, QUATERNION_TOLERANCE, SHORTEST_DIRECTION
+from .limits import LAST_ROW_TOLERANCE, ROTATION_ROUNDING, ROTATION_TOLERANCE, SHORTEST_DIRECTION
 from .units import Scale
 
 Vector = tuple[float, float, float]
@@ -71,33 +71,36 @@ def _quaternion(pose: Pose, where: Where, scale: Scale, findings: Findings) -> Q
         x, y, z, w = pose.quat_xyzw
         return _normalised((w, x, y, z), (*where, "quat_xyzw"), findings)
     if pose.rpy is not None:
-        return _from_fixed_axes(*map(scale.turn, pose.rpy))
+        return turn_about_fixed_axes(*map(scale.turn, pose.rpy))
     if pose.axis_angle is not None:
         axis = unit_vector(pose.axis_angle.axis, (*where, "axis_angle", "axis"), findings)
-        return _about(axis, scale.turn(pose.axis_angle.angle))
+        return turn_about(axis, scale.turn(pose.axis_angle.angle))
     return UNTURNED
 
 
 def _normalised(quaternion: Quaternion, where: Where, findings: Findings) -> Quaternion:
     length = math.hypot(*quaternion)
-    if abs(length - 1.0) > QUATERNION_TOLERANCE:
+    off = abs(length - 1.0)
+    if off > ROTATION_TOLERANCE:
         findings.fault(where, f"expected a unit quaternion, got one of length {quoted(length)}")
         return UNTURNED
+    if off > ROTATION_ROUNDING:
+        findings.loose(where, stretch_of_length(length), f"the quaternion's length is off 1 by {off:.2g}")
     w, x, y, z = (component / length for component in quaternion)
     return w, x, y, z
 
 
-def _about(axis: Vector, angle: float) -> Quaternion:
+def turn_about(axis: Vector, angle: float) -> Quaternion:
     """Return the turn by `angle` (rad) about a unit axis."""
     x, y, z = (component * math.sin(angle / 2) for component in axis)
     return math.cos(angle / 2), x, y, z
 
 
-def _from_fixed_axes(roll: float, pitch: float, yaw: float) -> Quaternion:
+def turn_about_fixed_axes(roll: float, pitch: float, yaw: float) -> Quaternion:
     """Return Rz(yaw) Ry(pitch) Rx(roll), angles in rad."""
-    about_x = _about((1.0, 0.0, 0.0), roll)
-    about_y = _about((0.0, 1.0, 0.0), pitch)
-    about_z = _about((0.0, 0.0, 1.0), yaw)
+    about_x = turn_about((1.0, 0.0, 0.0), roll)
+    about_y = turn_about((0.0, 1.0, 0.0), pitch)
+    about_z = turn_about((0.0, 0.0, 1.0), yaw)
     w, x, y, z = _product(about_z, _product(about_y, about_x))
     length = math.hypot(w, x, y, z)
     return w / length, x / length, y / length, z / length
@@ -113,37 +116,50 @@ def _product(a: Quaternion, b: Quaternion) -> Quaternion:
     )
 
 
-def _from_matrix(matrix: FloatArray, where: Where, findings: Findings) -> Quaternion:
-    """Return the rotation nearest to a 4x4 matrix, a rigid transform within MATRIX_TOLERANCE."""
-    fault = _matrix_fault(matrix)
-    if fault:
-        findings.fault(where, fault)
-        return UNTURNED
-    return nearest_rotation(matrix[:3, :3])
+def stretch_of_length(length: float) -> float:
+    """Return how far a quaternion of this length stretches, less 1: read as it is, it does so by the square."""
+    return abs(length - 1.0) * (length + 1.0)
 
 
-def nearest_rotation(matrix: FloatArray) -> Quaternion:
-    """Return the quaternion of the rotation nearest to a 3x3 matrix that is nearly one."""
-    left, _, right = np.linalg.svd(matrix)
-    return _from_rotation(left @ right)
+def nearest_rotations(matrices: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the orthogonal matrices (n, 3, 3) nearest to (n, 3, 3), and how far (n,) these stretch, less 1.
+
+    The nearest matrix moves a point by as much, times its distance from the origin, at most. It mirrors where they do.
+    """
+    left, stretches, right = np.linalg.svd(matrices)
+    off: FloatArray = np.abs(stretches - 1.0).max(axis=-1)
+    return left @ right, off
 
 
-def _matrix_fault(matrix: FloatArray) -> str:
-    if np.abs(matrix[3] - (0.0, 0.0, 0.0, 1.0)).max() > MATRIX_TOLERANCE:
-        return "expected the last row 0, 0, 0, 1 (matrices are row-major)"
-    return rotation_fault(matrix[:3, :3])
+def rotation_fault(nearest: FloatArray, off: float) -> str:
+    """Return what keeps a matrix from being a rotation, nothing if it is one within ROTATION_TOLERANCE.
 
-
-def rotation_fault(rotation: FloatArray) -> str:
-    """Return what keeps a 3x3 matrix from being a rotation within MATRIX_TOLERANCE; nothing if it is one."""
-    if np.abs(rotation.T @ rotation - np.eye(3)).max() > MATRIX_TOLERANCE:
-        return "expected a rotation, got a matrix that scales or shears"
-    if abs(np.linalg.det(rotation) - 1.0) > MATRIX_TOLERANCE:
+    Args:
+        nearest, off: as `nearest_rotations` returns them for the matrix.
+    """
+    if off > ROTATION_TOLERANCE:
+        return f"expected a rotation, got a matrix that scales or shears by {off:.2g}"
+    if np.linalg.det(nearest) < 0.0:
         return "expected a rotation, got a matrix that mirrors"
     return ""
 
 
-def _from_rotation(rotation: FloatArray) -> Quaternion:
+def _from_matrix(matrix: FloatArray, where: Where, findings: Findings) -> Quaternion:
+    """Return the rotation nearest to a 4x4 matrix, a rigid transform within ROTATION_TOLERANCE."""
+    if np.abs(matrix[3] - (0.0, 0.0, 0.0, 1.0)).max() > LAST_ROW_TOLERANCE:
+        findings.fault(where, "expected the last row 0, 0, 0, 1 (matrices are row-major)")
+        return UNTURNED
+    (nearest,), (off,) = nearest_rotations(matrix[None, :3, :3])
+    problem = rotation_fault(nearest, off)
+    if problem:
+        findings.fault(where, problem)
+        return UNTURNED
+    if off > ROTATION_ROUNDING:
+        findings.loose(where, float(off), f"the matrix is off a rotation by {off:.2g}")
+    return quaternion_of(nearest)
+
+
+def quaternion_of(rotation: FloatArray) -> Quaternion:
     """Return the quaternion of a 3x3 rotation, from the largest of its four components (Shepperd, 1978)."""
     (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = rotation.tolist()
     rows = (

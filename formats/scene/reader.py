@@ -15,6 +15,7 @@ from .folder import Folder
 from .grammar.scene import BodyPart, SceneFile
 from .limits import LARGEST_DOCUMENT, SMALLEST_SIZE
 from .loaded import KeyNames, LoadedScene
+from .loose_rotations import warn_of_loose_rotations
 from .meshes import MeshFolder
 from .motions import MotionReader
 from .names import Bodies, normal
@@ -68,6 +69,7 @@ class _Reading:
         self._findings.stop_if_faulty()
         scene = Scene(bodies, time.start, time.end, rules)
         check_sizes(scene, tuple(self._file.bodies), self._shapes.shown, self._findings)
+        warn_of_loose_rotations(scene, tuple(self._file.bodies), self._scale.length_unit, self._findings)
         self._findings.stop_if_faulty()
         return LoadedScene(
             path=path,

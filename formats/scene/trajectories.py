@@ -13,20 +13,18 @@ import numpy as np
 from ...scheduler.scene import FloatArray, IntArray
 from .arrays import read_only
 from .errors import counted, quoted
-from .limits import AMBIGUOUS_TURN, LARGEST_DOCUMENT, QUATERNION_TOLERANCE, WIDE_TURN
-from .poses import nearest_rotation, rotation_fault, successive_turns, turns_between
+from .limits import LARGEST_DOCUMENT
+from .poses import turns_between
 from .trajectory_csv import read_csv
 from .trajectory_euroc import read_euroc
 from .trajectory_kitti import Clock, Stamps, read_kitti
+from .trajectory_rotations import read_rotations, turns_told
 from .trajectory_table import Faults, Layout, Table, TrajectoryError, read_table, word_rows
 
 __all__ = ["LARGEST_TRAJECTORY", "Trajectory", "TrajectoryError", "read_trajectory"]
 
 LARGEST_TRAJECTORY = 4 * LARGEST_DOCUMENT
 """Bytes. A larger trajectory file, of some 3 million poses, is refused before it is parsed."""
-
-UNTOLD_UNIT_ERROR = 1e-6
-"""How far the length of a quaternion may be from 1 without a warning. Normalising then turns it by nothing."""
 
 Duplicates = Literal["error", "first", "last"]
 """What is done with poses at one time: refused, or the first or the last of them kept."""
@@ -55,6 +53,8 @@ class Trajectory:
         lines: (n,) the line of the file in which each pose begins, from 1.
         exact_times: n, s, those decimals themselves.
         warnings: what is doubtful in the file.
+        turns: what is doubtful in turning from pose to pose.
+        stretch, loose: how far its worst rotation stretches, less 1, and what is to be told of such ones, if anything.
     """
 
     times: FloatArray
@@ -63,6 +63,9 @@ class Trajectory:
     lines: IntArray
     exact_times: tuple[Decimal, ...]
     warnings: tuple[str, ...]
+    turns: tuple[str, ...] = ()
+    stretch: float = 0.0
+    loose: str = ""
 
     def only(self, kept: IntArray) -> Trajectory:
         """Return the poses with these indices."""
@@ -121,7 +124,7 @@ def read_trajectory(
         raise TrajectoryError("the file has no poses, expected at least one")
     faults = Faults()
     time_faults = Faults(of_times=True) if isinstance(clock, Stamps) else faults
-    quaternions, unit_errors = _quaternions(table, rotation, radians_per_unit, faults)
+    rotations = read_rotations(table.numbers[:, 4 : 4 + len(rotation)], table.lines, radians_per_unit, faults)
     kept = _kept(table.exact_times, duplicates)
     _check_times(table, clock.lines if isinstance(clock, Stamps) else table.lines, kept, max_gap, time_faults)
     faults.raise_any()
@@ -129,14 +132,18 @@ def read_trajectory(
     poses = Trajectory(
         times=table.numbers[:, 0],
         translations=table.numbers[:, 1:4],
-        quaternions=quaternions,
+        quaternions=rotations.quaternions,
         lines=table.lines,
         exact_times=table.exact_times,
-        warnings=(*warnings, *_of_units(unit_errors, table.lines)),
+        warnings=warnings,
+        stretch=rotations.stretch,
+        loose=rotations.loose,
     )
     of_duplicates = _of_duplicates(poses, kept, duplicates, length_unit)
     poses = poses.only(kept)
-    return replace(poses, warnings=(*poses.warnings, *of_duplicates, *_of_turns(poses.quaternions, poses.lines)))
+    angles = None if rotations.angles is None else rotations.angles[kept]
+    of_turns = turns_told(poses.quaternions, angles, poses.lines)
+    return replace(poses, warnings=(*poses.warnings, *of_duplicates), turns=of_turns)
 
 
 def _read_table(data: bytes, layout: str, clock: Clock | None) -> tuple[Table, tuple[str, ...], tuple[str, ...]]:
@@ -204,48 +211,6 @@ def _since(before: Decimal, after: Decimal) -> float:
     return float(_EXACT.subtract(after, before))
 
 
-def _quaternions(
-    table: Table, rotation: tuple[str, ...], radians_per_unit: float, faults: Faults
-) -> tuple[FloatArray, FloatArray]:
-    """Return the unit quaternions (n, 4) w x y z, and how far their lengths (n,) were from 1 in the file."""
-    count = len(table.lines)
-    if not rotation:
-        return np.tile((1.0, 0.0, 0.0, 0.0), (count, 1)), np.zeros(count)
-    if len(rotation) == 3:
-        quaternions = _of_fixed_axes(table.numbers[:, 4:] * radians_per_unit)
-        return quaternions / np.linalg.norm(quaternions, axis=1, keepdims=True), np.zeros(count)
-    if len(rotation) == 9:
-        return _of_matrices(table.numbers[:, 4:].reshape(-1, 3, 3), table.lines, faults), np.zeros(count)
-    lengths: FloatArray = np.linalg.norm(table.numbers[:, 4:], axis=1)
-    errors: FloatArray = np.abs(lengths - 1.0)
-    for i in np.flatnonzero(errors > QUATERNION_TOLERANCE).tolist():
-        problem = f"expected a unit quaternion, got one of length {quoted(float(lengths[i]))}"
-        faults.add(int(table.lines[i]), problem)
-    return table.numbers[:, 4:] / np.where(lengths > 0.0, lengths, 1.0)[:, None], errors
-
-
-def _of_matrices(matrices: FloatArray, lines: IntArray, faults: Faults) -> FloatArray:
-    """Return the quaternions (n, 4) of the rotations nearest to (n, 3, 3) matrices."""
-    for line, matrix in zip(lines.tolist(), matrices, strict=True):
-        problem = rotation_fault(matrix)
-        if problem:
-            faults.add(line, problem)
-    return np.array([nearest_rotation(matrix) for matrix in matrices])
-
-
-def _of_fixed_axes(angles: FloatArray) -> FloatArray:
-    """Return the quaternions (n, 4) of Rz(yaw) Ry(pitch) Rx(roll) from roll, pitch, yaw (n, 3) in rad."""
-    (cr, cp, cy), (sr, sp, sy) = np.cos(angles / 2.0).T, np.sin(angles / 2.0).T
-    return np.column_stack(
-        (
-            cr * cp * cy + sr * sp * sy,
-            sr * cp * cy - cr * sp * sy,
-            cr * sp * cy + sr * cp * sy,
-            cr * cp * sy - sr * sp * cy,
-        )
-    )
-
-
 def _of_duplicates(poses: Trajectory, kept: IntArray, duplicates: Duplicates, unit: str) -> tuple[str, ...]:
     """Return the warning of poses that are left out for others at their times, and of how far they are from those."""
     left_out = np.setdiff1d(np.arange(len(poses.lines)), kept)
@@ -257,34 +222,3 @@ def _of_duplicates(poses: Trajectory, kept: IntArray, duplicates: Duplicates, un
     text = f"has {counted(len(left_out), 'pose')} at the time of another, first in line {poses.lines[left_out[0]]}"
     difference = f"they differ by up to {apart:.3g} {unit} and {turned:.3g} degrees"
     return (f"{text}: the {duplicates} of each is taken, {difference}",)
-
-
-def _of_units(errors: FloatArray, lines: IntArray) -> tuple[str, ...]:
-    """Return the warning of quaternions that were not quite of length 1."""
-    count = int(np.count_nonzero(errors > UNTOLD_UNIT_ERROR))
-    if count == 0:
-        return ()
-    worst = int(np.argmax(errors))
-    text = (
-        f"has {counted(count, 'quaternion')} whose length is off 1, by up to {errors[worst]:.2g} in line {lines[worst]}"
-    )
-    return (f"{text}: they are normalised",)
-
-
-def _of_turns(quaternions: FloatArray, lines: IntArray) -> tuple[str, ...]:
-    """Return the warnings where slerp's way between two poses may not be the one that was meant."""
-    angles = successive_turns(quaternions)
-    ambiguous = angles > math.pi - AMBIGUOUS_TURN
-    wide = (angles > math.radians(WIDE_TURN)) & ~ambiguous
-    warnings = []
-    for found, amount, remark in (
-        (ambiguous, "half a turn", "which way round is ambiguous, add poses between"),
-        (wide, f"more than {WIDE_TURN:g} degrees", "the shorter way is taken, are poses missing?"),
-    ):
-        indices = np.flatnonzero(found)
-        if len(indices):
-            first = int(indices[0])
-            where = f"lines {lines[first]} and {lines[first + 1]} ({math.degrees(angles[first]):.1f} degrees)"
-            times = f"turns by {amount} between successive poses {counted(len(indices), 'time')}"
-            warnings.append(f"{times}, first between {where}: {remark}")
-    return tuple(warnings)

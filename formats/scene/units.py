@@ -51,9 +51,9 @@ class Scale:
         """Return an angle in rad; so too a rate in rad/s."""
         return math.radians(value) if self.angle_unit == "deg" else float(value)
 
-    def turn(self, value: float) -> float:
-        """Return the angle of a turn that is at rest in rad; whole turns in degrees are taken off exactly first."""
-        return self.angle(math.fmod(value, 360.0) if self.angle_unit == "deg" else value)
+    def turn(self, value: float, turns: int = 1) -> float:
+        """Return the angle of a turn that is at rest in rad; in degrees so many whole ones are taken off exactly."""
+        return self.angle(math.fmod(value, 360.0 * turns) if self.angle_unit == "deg" else value)
 
     def angles(self, values: Iterable[float]) -> tuple[float, float, float]:
         """Return three angles in rad or rates in rad/s."""

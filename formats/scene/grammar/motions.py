@@ -129,7 +129,10 @@ class Interpolation(Part):
         default="linear",
         description="Cubic: Hermite with the keys' velocities, without them those of Catmull and Rom.",
     )
-    rotation: Literal["slerp", "step"] = Field(default="slerp", description="Slerp: the shorter way round.")
+    rotation: Literal["slerp", "step"] = Field(
+        default="slerp",
+        description="Slerp: the shorter way round, also where angles are written over 180 degrees apart.",
+    )
 
 
 Outside = Literal["error", "hold", "loop"]

@@ -28,8 +28,12 @@ class Pose(Part):
         json_schema_extra={"not": {"anyOf": [{"required": list(keys)} for keys in _NEVER_TOGETHER]}}
     )
     xyz: Vector | None = Field(default=None, description="Translation, in the file's length unit. Default: none.")
-    quat_wxyz: Quaternion | None = Field(default=None, description="Unit quaternion, scalar first. Default: no turn.")
-    quat_xyzw: Quaternion | None = Field(default=None, description="Unit quaternion, scalar last. Default: no turn.")
+    quat_wxyz: Quaternion | None = Field(
+        default=None, description="Unit quaternion to 0.001, scalar first. Default: no turn."
+    )
+    quat_xyzw: Quaternion | None = Field(
+        default=None, description="Unit quaternion to 0.001, scalar last. Default: no turn."
+    )
     rpy: Vector | None = Field(
         default=None,
         description="Turns about the fixed axes x, then y, then z, in the file's angle unit. Default: no turn.",
@@ -39,7 +43,8 @@ class Pose(Part):
     )
     matrix: tuple[Quaternion, Quaternion, Quaternion, Quaternion] | None = Field(
         default=None,
-        description="4x4, row-major, parent from child; translation in the file's length unit. Alone. Default: none.",
+        description="4x4, row-major, parent from child: a rotation to 0.001, translation in the file's length unit. "
+        "Alone. Default: none.",
     )
 
     @model_validator(mode="after")
