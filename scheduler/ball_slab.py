@@ -8,7 +8,7 @@ from __future__ import annotations
 from math import inf, ulp
 from typing import NamedTuple
 
-from .bounds import RELATIVE_ROUNDING, time_bound
+from .bounds import RELATIVE_ROUNDING, longest_sleep, time_bound
 from .chain import Part
 from .relative import Approach, Moments, RelativeMotion
 from .vector import Vector, dot, norm, scale, subtract, unit
@@ -81,8 +81,28 @@ class BallSlab:
         return Gap(dot(way, apart) - self._lost, dot(way, closing) + self._slack, max(0.0, bend))
 
 
+class Stay(NamedTuple):
+    """How far apart two balls certainly stay, in any direction, across any number of knots.
+
+    Attributes:
+        horizon: s, how far ahead it may be asked of.
+        left: m, lower bound on the distance until then.
+    """
+
+    horizon: float
+    left: float
+
+    def sleep(self, spare: float) -> float:
+        """Return how long (s, <= horizon) the balls stay more than `spare` m apart; errs low."""
+        return self.horizon if self.left > spare else 0.0
+
+    def clearance(self, duration: float) -> float:
+        """Return a lower bound (m) on the distance over the next `duration` s, -inf past the horizon."""
+        return self.left if duration <= self.horizon else -inf
+
+
 class _Stage(NamedTuple):
-    """One of several slabs.
+    """One of several slabs, or stays.
 
     Attributes:
         since: s after the first one, when it begins.
@@ -95,13 +115,14 @@ class _Stage(NamedTuple):
     late: float
     wanted: float
     kept: float
-    slab: BallSlab
+    slab: BallSlab | Stay
 
 
 class BallSlabs:
     """Slabs between the bounding balls of a pair, one after the other: a new one wherever a motion changes its law.
 
-    Where balls are is known by heart: no measurement is needed on the way.
+    Where it changes so often that slabs would be too many, what the balls are displaced by leads on instead, past any
+    number of knots. Where balls are is known by heart: no measurement is needed on the way.
     """
 
     def __init__(self, motion: RelativeMotion, error: float, moments: Moments, duration: float, beyond: float) -> None:
@@ -119,16 +140,21 @@ class BallSlabs:
         self._stages: list[_Stage] = []
         while True:
             wanted = duration - since + late if since < duration else 0.0
-            slab = _slab_between(motion, error, moments, wanted, beyond)
+            slab: BallSlab | Stay = _slab_between(motion, error, moments, wanted, beyond)
+            if MOST_SLABS * slab.horizon < wanted and slab.sleep(beyond) == slab.horizon:
+                slab = max(slab, _stay_of(motion, error, moments, wanted, beyond), key=lambda ahead: ahead.horizon)
             self._stages.append(_Stage(since, late, wanted, kept, slab))
             if slab.horizon >= wanted or slab.sleep(beyond) < slab.horizon or self._are_many(since + slab.horizon):
                 return
             late = 4.0 * ulp(abs(start) + duration)
-            knot, moved = motion.crossing(moments, slab.horizon, late)
+            if isinstance(slab, Stay):
+                following, moved = moments.time + (slab.horizon - late), 0.0
+            else:
+                following, moved = motion.crossing(moments, slab.horizon, late)
             kept = min(kept, slab.clearance(slab.horizon) - moved)
-            if knot - start > duration or kept <= beyond:
+            if following - start > duration or following <= moments.time or kept <= beyond:
                 return
-            moments, since = motion.at(knot), knot - start
+            moments, since = motion.at(following), following - start
 
     def _are_many(self, reached: float) -> bool:
         """Tell whether there are too many to go on, or too many for how far (s) they have reached."""
@@ -164,3 +190,23 @@ def _slab_between(motion: RelativeMotion, error: float, moments: Moments, durati
     closing = subtract(a.twist.of(a.centre), b.twist.of(b.centre))
     taken = motion.radii + motion.spread(moments.time) + error
     return BallSlab(subtract(b.centre, a.centre), taken, closing, beyond, near, motion.slack(moments))
+
+
+def _stay_of(motion: RelativeMotion, error: float, moments: Moments, duration: float, beyond: float) -> Stay:
+    """Return for how long the bounding balls of a pair spend no more than half of what they are apart beyond `beyond`.
+
+    The other half keeps those that are far apart known to be so, and is spent by the stays that follow.
+    """
+    t = moments.time
+    taken = motion.radii + motion.spread(t) + error
+    gap = norm(subtract(moments.b.centre, moments.a.centre)) * (1.0 - RELATIVE_ROUNDING)
+    gap -= taken * (1.0 + RELATIVE_ROUNDING)
+    middles = motion.middles
+    now = middles.at(t)
+
+    def moved(duration: float) -> float:
+        return middles.displacement(now, duration) * (1.0 + RELATIVE_ROUNDING)
+
+    spend, horizon = 0.5 * (gap - beyond), min(duration, motion.stop_after(t) - t)
+    lasts = longest_sleep(moved, spend, horizon, 0.5 * horizon) if spend > 0.0 else 0.0
+    return Stay(lasts, gap - moved(lasts))

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .extent import Extent
+from .extent import Ball, Extent
 from .lineage import lineage
 from .motions import Axis, Fixed, Interval, Limits, Motion, Rates, Reach
 from .motions.spread import STILL, Spread, across, ball, shared
@@ -205,6 +205,12 @@ class Chain:
         placed = self.extent.points @ self.tail[:3, :3].T + self.tail[:3, 3]
         core = float(np.max(np.linalg.norm(placed, axis=1)))
         return {Part.WHOLE: self._own_reach.radius, Part.CORE: core, Part.CENTRE: norm(self._last_centre)}
+
+    @cached_property
+    def middle(self) -> Chain:
+        """The chain of the middle of the body's ball alone."""
+        centre = self.ball.centre
+        return Chain(self.joints, self.tail, Extent(np.array([centre]), np.zeros(1), Ball(centre, 0.0)))
 
     def knot_after(self, t: float) -> float:
         """Return the first time > t at which a rate of any joint jumps (inf: none)."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import inf
 from typing import NamedTuple
 
@@ -84,6 +85,11 @@ class RelativeMotion:
     def rigid(self) -> bool:
         """Whether the two can never move relative to each other, so that they are never paired."""
         return not (self.a.joints or self.b.joints or self.unknown)
+
+    @cached_property
+    def middles(self) -> RelativeMotion:
+        """The motion of the middles of both balls, whose displacement does not count how bodies turn about them."""
+        return RelativeMotion(self.a.middle, self.b.middle, self.unknown)
 
     def at(self, t: float) -> Moments:
         """Return both chains at t."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from .bounds import RELATIVE_ROUNDING
 from .chain import Chain, Moment
-from .extent import Ball, Extent
+from .extent import Extent
 from .motions import Interval
 from .pairing import Side
 from .relative import ROUNDING
@@ -69,8 +69,7 @@ class SweptBody:
         self.begin, self.end = exists
         self._unknown = side.unknown
         self._radius = chain.ball.radius
-        middle = np.array([chain.ball.centre])
-        self._centre = Chain(chain.joints, chain.tail, Extent(middle, np.zeros(1), Ball(chain.ball.centre, 0.0)))
+        self._centre = chain.middle
         self.error = chain.rounding(exists) + ROUNDING * self._grown(self.end)
         self._level = 0
         self._chain: Chain | None = None
