@@ -21,7 +21,7 @@ from tempfile import TemporaryDirectory
 import fcl
 import numpy as np
 
-from closecall.cli.options import LEAST_SNAPSHOTS, USUAL_RATE
+from closecall.cli.rate import snapshot_rate
 from closecall.formats.scene.reader import read_scene
 from closecall.scheduler.events import Level, Reason, Span, Verdict, Wakeup
 from closecall.scheduler.instants import observed, snapshot_times
@@ -81,7 +81,7 @@ def counted(rocks: Rocks, seconds: float) -> Queries:
     searched: Counter[Key] = Counter()
     clear = {(pair.key.a, pair.key.b) for pair in pairs}
     observer = Observer(scene, pairs, VIZ_PAIRS, camera)
-    times = snapshot_times(scene, max(USUAL_RATE, LEAST_SNAPSHOTS / seconds))
+    times = snapshot_times(scene, snapshot_rate(seconds, None))
     for event in observed(run(pairs, settings, None), observer, times, settings.time_resolution):
         if isinstance(event, Wakeup) and event.level is Level.MESH:
             counts = searched if event.reason is Reason.MINIMUM else scheduled

@@ -70,7 +70,7 @@ def _run_one(scene: Path, log: Path, options: RunOptions) -> Outcome:
         report(fault, log)
         return Outcome(scene, log, None, 2)
     if not options.quiet:
-        print_warnings(result.warnings)
+        print_warnings(result.warnings, result.note)
     return Outcome(scene, log, result, int(result.finds(options.fail_on)))
 
 

@@ -32,8 +32,9 @@ from ..scheduler.scene import Scene, Settings, least_duration
 from ..scheduler.streams import merged, observer_of
 from ..scheduler.windows import Sweeps
 from .faults import raise_interrupts
-from .options import LEAST_SNAPSHOTS, USUAL_RATE, RunOptions
+from .options import RunOptions
 from .progress import shares_shown, shown
+from .rate import snapshot_rate, thinned
 from .sharing import Camera, told_by_workers
 
 Events = tuple[Generator[Event | Picture, None, None], Callable[[], float]]
@@ -45,13 +46,14 @@ FEW_PAIRS = 1000
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """What a run found, what it warned of, and the wall-clock seconds of its parts.
+    """What a run found, what it warned of and noted, and the wall-clock seconds of its parts.
 
     `schedule` is the loop with its measurements, of which `fcl` is a part, summed over all processes; `log` is writing.
     """
 
     summary: Summary
     warnings: tuple[str, ...]
+    note: str | None
     seconds: dict[str, float]
 
     def finds(self, wanted: Sequence[str]) -> bool:
@@ -68,6 +70,7 @@ def run_job(scene_path: Path, output: Path, options: RunOptions) -> Result:
     began = perf_counter()
     loaded = read_scene(scene_path, options.mesh_roots, options.max_bytes)
     settings = _settings(loaded.scene, loaded.settings, options)
+    note = thinned(loaded.scene.end - loaded.scene.start, options.rate) if options.log == "full" else None
     loaded, total = counted_pairs(loaded, options.strict)
     crowded = total > FEW_PAIRS if options.broad_phase == "auto" else options.broad_phase == "on"
     if not crowded:
@@ -98,7 +101,7 @@ def run_job(scene_path: Path, output: Path, options: RunOptions) -> Result:
         "log": writing + done - scheduled,
         "total": done - began,
     }
-    return Result(summary, loaded.warnings, seconds)
+    return Result(summary, loaded.warnings, note, seconds)
 
 
 def _run_here(work: Work, options: RunOptions) -> Events:
@@ -116,8 +119,8 @@ def _run_here(work: Work, options: RunOptions) -> Events:
 
 def _run_by_workers(work: Work, total: int, name: str, options: RunOptions) -> Events:
     """Have the scene, called `name`, run by workers, which share its `total` pairs."""
-    times = list(_times(work.scene, options))
     viewer = _viewer_options(options)
+    times = [] if viewer is None else list(_times(work.scene, options))
     camera = None if viewer is None else Camera(times, viewer, options.epoch)
     with shares_shown(name, options.quiet) as show:
         streams, pictures, fcl = told_by_workers(work, total, options.jobs, options.cluster, camera, show)
@@ -171,8 +174,7 @@ def _viewer_options(options: RunOptions) -> ViewerOptions | None:
 
 def _times(scene: Scene, options: RunOptions) -> Iterator[float]:
     """Yield when (s) snapshots are taken, besides at collisions."""
-    usual = max(USUAL_RATE, LEAST_SNAPSHOTS / (scene.end - scene.start))
-    return snapshot_times(scene, usual if options.rate is None else options.rate)
+    return snapshot_times(scene, snapshot_rate(scene.end - scene.start, options.rate))
 
 
 def _settings(scene: Scene, settings: Settings, options: RunOptions) -> Settings:

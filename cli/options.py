@@ -16,9 +16,12 @@ if TYPE_CHECKING:
 #: Verdicts that a run may be told to fail on.
 FINDINGS = ("contact", "breach", "unresolved", "possible")
 
-#: Hz, of snapshots, but for runs so short that fewer than so many would show no curve.
+#: Hz, of snapshots, but for runs so short that fewer than so many would show no curve, or so long that more would be
+#: too many.
 USUAL_RATE = 30.0
-LEAST_SNAPSHOTS = 120
+LEAST_SNAPSHOTS, MOST_SNAPSHOTS = 120, 36_000
+#: Snapshots beyond which a rate that is asked for is refused.
+MOST_ASKED = 1_000_000
 
 MOST_JOBS = 1024
 
@@ -191,7 +194,8 @@ _OPTIONS = (
     click.option(
         "--rate",
         type=float,
-        show_default=f"{USUAL_RATE:g}, more in runs of less than {LEAST_SNAPSHOTS / USUAL_RATE:g} s",
+        show_default=f"{USUAL_RATE:g}; more in runs below {LEAST_SNAPSHOTS / USUAL_RATE:g} s, "
+        f"less above {MOST_SNAPSHOTS / USUAL_RATE:g} s: {MOST_SNAPSHOTS} in all",
         metavar="HZ",
         callback=_rate,
         help="Snapshots for viewers; 0: only at collisions.",

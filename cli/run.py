@@ -63,7 +63,7 @@ def _run_one(scene: Path, output: Path, options: RunOptions) -> int:
     with faults_reported(output):
         result = run_job(scene, output, options)
     if not options.quiet:
-        print_warnings(result.warnings)
+        print_warnings(result.warnings, result.note)
     if options.as_json:
         print_json({**result.summary, "seconds": result.seconds})
     elif not options.quiet:

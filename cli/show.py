@@ -71,10 +71,12 @@ def print_rows(console: Console, columns: Sequence[str], rows: Sequence[Sequence
     console.print(table)
 
 
-def print_warnings(warnings: Iterable[str]) -> None:
-    """Print a line each on stderr."""
+def print_warnings(warnings: Iterable[str], note: str | None = None) -> None:
+    """Print a line each on stderr, and a note after them."""
     for warning in warnings:
         say(f"warning: {warning}", to_stderr=True)
+    if note is not None:
+        say(f"note: {note}", to_stderr=True)
 
 
 def print_json(value: Mapping[str, Any]) -> None:
