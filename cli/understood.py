@@ -157,7 +157,7 @@ def _recorded(body: Body) -> dict[str, Any] | None:
     if not isinstance(keys, Keyframes):
         return None
     gaps = np.diff(keys.times)
-    widest = int(np.argmax(gaps)) if len(gaps) else 0
+    widest = int(np.argmax(gaps > (1.0 - 1e-9) * gaps.max())) if len(gaps) else 0  # the first of those that are alike
     return {
         "poses": len(keys.times),
         "time": [float(keys.times[0]), float(keys.times[-1])],

@@ -350,7 +350,10 @@ def test_wide_turns_between_poses_are_told() -> None:
     assert tum("0 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 -1\n").turns == ()
 
 
+NANOSECONDS = b"#timestamp\n1403636580838555648,1,2,3,1,0,0,0,5\n1403636580843555328,1,2,3,0,1,0,0,6\n"
 SEEDS = [
+    ("euroc", NANOSECONDS),
+    ("kitti", b"1 0 0 1 0 1 0 2 0 0 1 3\n0 -1 0 4 1 0 0 5 0 0 1 6\n"),
     ("tum", TUM.encode()),
     ("tum", tum_at("1.403715529112143517e+09", "1.403715529212142944e+09").encode()),
     ("tum", b"t,x,y,z\n0,1,2,3\n"),
@@ -385,7 +388,8 @@ def mutated(data: bytes, rng: random.Random) -> bytes:
 def read_or_refused(data: bytes, layout: str, max_gap: float | None) -> Trajectory | TrajectoryError:
     try:
         with time_limited():
-            return read_trajectory(data, layout, max_gap, 0.017)
+            clock = Decimal("0.1") if layout == "kitti" else None
+            return read_trajectory(data, layout, max_gap, 0.017, clock=clock)
     except TrajectoryError as error:
         return error
 

@@ -159,6 +159,7 @@ class FileMotion(PathMotion):
     """Poses at given times, from a file. What is certified is the path interpolated between them.
 
     Lines of text in UTF-8; what follows a # is a remark. Poses map the body's coordinates into those of its rest frame.
+    Axes stay as the file has them: those of KITTI's cameras are x right, y down, z forward.
     """
 
     type: Literal["file"] = Field(description="The law of the motion.")
