@@ -82,8 +82,8 @@ class Model:
 
     @cached_property
     def interior(self) -> Interior | None:
-        """The inside, None of a mesh that is open."""
-        return Interior(self.mesh) if self.mesh.solid else None
+        """The inside, None of a mesh that encloses nothing."""
+        return Interior(self.mesh) if self.mesh.encloses else None
 
     def bvh(self, scale: float) -> Any:
         """Return the bounding volume hierarchy of lengths times `scale`, built when first asked for."""

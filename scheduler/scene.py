@@ -19,6 +19,21 @@ ALWAYS: Interval = (-inf, inf)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Solid:
+    """What one closed skin of a mesh encloses, but for its cavities.
+
+    Attributes:
+        skin: (k, 3) vertex indices, normals outwards.
+        cavities: the skins (k, 3) of what is cut from it.
+        crossed: whether the skin crosses itself, so that it encloses a point only if no way leads out; None if unknown.
+    """
+
+    skin: IntArray
+    cavities: tuple[IntArray, ...]
+    crossed: bool | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Mesh:
     """A triangle mesh in its own frame, shared by every shape that shows it.
 
@@ -26,13 +41,20 @@ class Mesh:
         name: as in the scene file, or a description of the generated shape.
         vertices: (n, 3) m, finite, read-only.
         triangles: (m, 3) vertex indices, m >= 1, read-only. A point is the triangle (p, p, p), a segment (a, b, b).
-        solid: whether the surface is closed, so that what lies inside it is inside the body.
+        solid: whether the surface is closed: every edge joins two triangles.
+        solids: what it encloses; none stated of a closed surface: one solid, of all its triangles.
     """
 
     name: str
     vertices: FloatArray
     triangles: IntArray
     solid: bool
+    solids: tuple[Solid, ...] = ()
+
+    @property
+    def encloses(self) -> bool:
+        """Whether what lies inside it is inside the body."""
+        return self.solid or bool(self.solids)
 
 
 def used_vertices(mesh: Mesh) -> FloatArray:

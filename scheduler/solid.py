@@ -6,69 +6,86 @@ from functools import cached_property
 
 import numpy as np
 
+from .components import components
 from .distinct import distinct_points
+from .lines import Surroundings
+from .meeting import meets_itself
 from .rotation import FloatArray
-from .scene import Mesh, used_vertices
-
-
-def winding_number(point: FloatArray, corners: FloatArray) -> float:
-    """Return how often the triangles wind around `point`: the sum of their solid angles over 4 pi.
-
-    Args:
-        point: (3,) m.
-        corners: (m, 3, 3) m, the corners of each triangle.
-
-    Source: van Oosterom and Strackee, "The solid angle of a plane triangle" (1983).
-    """
-    a, b, c = (corners[:, corner] - point for corner in range(3))
-    la, lb, lc = (np.linalg.norm(side, axis=1) for side in (a, b, c))
-    volume = np.einsum("ij,ij->i", a, np.cross(b, c))
-    ab, bc, ca = (np.einsum("ij,ij->i", p, q) for p, q in ((a, b), (b, c), (c, a)))
-    angles = 2.0 * np.arctan2(volume, la * lb * lc + ab * lc + bc * la + ca * lb)
-    return float(np.sum(angles)) / (4.0 * np.pi)
+from .scene import Mesh, Solid
+from .winding import winding_numbers
 
 
 def component_points(mesh: Mesh) -> FloatArray:
-    """Return one vertex of each connected part of the mesh's surface, (k, 3) m; equal vertices are one vertex."""
+    """Return one vertex of each connected part of the mesh's surface, (k, 3) m.
+
+    Triangles that share an edge are of one part; those that share a corner alone are not. Equal vertices are one.
+    """
     _, merged = distinct_points(mesh.vertices)
-    corners = np.ascontiguousarray(merged[mesh.triangles].T)
-    labels = np.arange(len(mesh.vertices))
-    while True:
-        of_corners = labels[corners]
-        least = of_corners.min(axis=0)
-        if (of_corners == least).all():
-            break
-        for label in of_corners:  # what a label stands for gets the least label of its triangles
-            np.minimum.at(labels, label, least)
-        while not np.array_equal(labels, following := labels[labels]):
-            labels = following
-    _, firsts = np.unique(least, return_index=True)
-    points: FloatArray = mesh.vertices[mesh.triangles[firsts, 0]]
+    triangles = merged[mesh.triangles]
+    begins, ends = triangles.reshape(-1), np.roll(triangles, -1, axis=1).reshape(-1)
+    keys = np.minimum(begins, ends) * len(mesh.vertices) + np.maximum(begins, ends)
+    order = np.argsort(keys, kind="stable")
+    like = np.flatnonzero(keys[order[1:]] == keys[order[:-1]])
+    parts = components(len(triangles), order[like] // 3, order[like + 1] // 3)
+    points: FloatArray = mesh.vertices[mesh.triangles[np.unique(parts), 0]]
     return points
 
 
 class Interior:
-    """The inside of a closed mesh."""
+    """The inside of a mesh: that of each of its solids."""
 
     def __init__(self, mesh: Mesh) -> None:
-        """Take a solid mesh."""
-        self._mesh = mesh
-        used = used_vertices(mesh)
-        self._low, self._high = used.min(axis=0), used.max(axis=0)
+        """Take a mesh that encloses something."""
+        solids = mesh.solids or (Solid(mesh.triangles, (), crossed=False),)
+        self._parts = [_Part(mesh, solid) for solid in solids]
+        self._low = np.array([part.low for part in self._parts])
+        self._high = np.array([part.high for part in self._parts])
+
+    def contains(self, points: FloatArray) -> FloatArray | None:
+        """Return the first of the points (k, 3), in the mesh's frame, that is inside; None if all are out.
+
+        A point of which this is not certain counts as inside. None may lie on the surface itself.
+        """
+        for point in points:
+            for index in np.flatnonzero(((point >= self._low) & (point <= self._high)).all(axis=1)):
+                if self._parts[index].holds(point):
+                    inside: FloatArray = point
+                    return inside
+        return None
+
+
+class _Part:
+    """One solid of a mesh, and the box around it."""
+
+    def __init__(self, mesh: Mesh, solid: Solid) -> None:
+        self._vertices, self._solid = mesh.vertices, solid
+        self._crossed = solid.crossed
+        used = mesh.vertices[np.unique(solid.skin)]
+        self.low, self.high = used.min(axis=0), used.max(axis=0)
 
     @cached_property
     def _corners(self) -> FloatArray:
-        corners: FloatArray = self._mesh.vertices[self._mesh.triangles]
+        corners: FloatArray = self._vertices[self._solid.skin]
         return corners
 
-    def contains(self, points: FloatArray) -> FloatArray | None:
-        """Return the first of the points (k, 3), in the mesh's frame, with |winding number| > 0.5; None if all are out.
+    @cached_property
+    def _surroundings(self) -> Surroundings:
+        return Surroundings(self._corners)
 
-        No point may lie on the surface itself.
-        """
-        boxed = points[np.all((points >= self._low) & (points <= self._high), axis=1)]
-        for point in boxed:
-            if abs(winding_number(point, self._corners)) > 0.5:
-                inside: FloatArray = point
-                return inside
-        return None
+    def holds(self, point: FloatArray) -> bool:
+        """Tell whether a point (3,) is inside, or whether that is not certain."""
+        if abs(_winding(point, self._corners)) <= 0.5:
+            return self._crossed is not False and not self._is_outside(point)
+        return not any(abs(_winding(point, self._vertices[cavity])) > 0.5 for cavity in self._solid.cavities)
+
+    def _is_outside(self, point: FloatArray) -> bool:
+        """Tell whether it is certain that a point (3,) that the skin winds around 0 times is outside."""
+        if self._surroundings.open(point[None])[0]:
+            return True
+        if self._crossed is None:
+            self._crossed = meets_itself(self._vertices, self._solid.skin)
+        return not self._crossed
+
+
+def _winding(point: FloatArray, corners: FloatArray) -> float:
+    return float(winding_numbers(point[None], corners)[0])

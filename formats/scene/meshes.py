@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ...scheduler.scene import Mesh
+from ...scheduler.enclosed import Doubt, Enclosed, UndecidedError, enclosed_by
+from ...scheduler.scene import FloatArray, IntArray, Mesh
 from .errors import counted, printable, quoted
 from .folder import Folder, FolderError
 from .grammar.scene import MeshReference
@@ -52,10 +53,11 @@ _SUFFIXES = ", ".join(list(_READERS)[:-1]) + f" or {list(_READERS)[-1]}"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Content:
-    """A mesh file's surface, and the SHA-256 (hex) of its bytes."""
+    """A mesh file's surface, how it joins, what it encloses, and the SHA-256 (hex) of its bytes."""
 
     surface: Surface
     topology: Topology
+    enclosed: Enclosed
     sha256: str
 
 
@@ -139,9 +141,21 @@ def _content(path: Path) -> _Content | MeshError:
     except MeshError as error:
         return error
     vertices = np.where(np.abs(surface.vertices) < SMALLEST_COORDINATE, 0.0, surface.vertices)
-    vertices, triangles = welded(vertices, surface.triangles)
+    vertices, triangles = used_only(*welded(vertices, surface.triangles))
+    if np.abs(vertices).max() > LARGEST_NUMBER:
+        return MeshError(f"expected coordinates up to {LARGEST_NUMBER:g}")
+    try:
+        enclosed = enclosed_by(vertices, triangles)
+    except UndecidedError as error:
+        return MeshError(f"{error.problem}, {_at(error.triangles, vertices, triangles)}: {error.remedy}")
     joined = replace(surface, vertices=vertices, triangles=triangles)
-    return _Content(joined, topology(vertices, triangles), hashlib.sha256(data).hexdigest())
+    return _Content(joined, topology(vertices, triangles), enclosed, hashlib.sha256(data).hexdigest())
+
+
+def _at(two: tuple[int, int], vertices: FloatArray, triangles: IntArray) -> str:
+    """Return where two triangles are, in words: their numbers in the file's order, and a corner in its units."""
+    x, y, z = vertices[triangles[two[0], 0]].tolist()
+    return f"at triangles {two[0] + 1} and {two[1] + 1} of {len(triangles)} (near {x:.6g}, {y:.6g}, {z:.6g})"
 
 
 def _refuse_mistaken(data: bytes, suffix: str) -> None:
@@ -160,13 +174,11 @@ def _mesh(name: str, reference: MeshReference, content: _Content) -> Mesh:
     if stated not in (None, reference.units):
         file = printable(reference.file)
         raise MeshError(f"{file}: the file's own unit is {quoted(stated)}, the scene says {quoted(reference.units)}")
-    vertices, triangles = used_only(content.surface.vertices, content.surface.triangles)
-    if np.abs(vertices).max() > LARGEST_NUMBER:
-        raise MeshError(f"{printable(reference.file)}: expected coordinates up to {LARGEST_NUMBER:g}")
-    points = metres_of(vertices, reference.units)
+    points = metres_of(content.surface.vertices, reference.units)
     if reference.up == "y":
         points = np.column_stack((points[:, 0], -points[:, 2], points[:, 1]))
-    return frozen_mesh(name, points, triangles, content.topology.solid)
+    mesh = frozen_mesh(name, points, content.surface.triangles, content.topology.solid)
+    return replace(mesh, solids=content.enclosed.solids)
 
 
 def _warnings(content: _Content) -> list[str]:
@@ -174,13 +186,28 @@ def _warnings(content: _Content) -> list[str]:
     warnings = list(content.surface.warnings)
     if not joined.solid:
         loose = f"{counted(joined.loose_edges, 'edge does', 'edges do')} not join exactly two triangles"
-        warnings.append(f"is open: treated as a surface, containment inside it is not seen ({loose})")
+        closed = len(content.enclosed.solids)
+        but = f" but for {counted(closed, 'closed part')}" if closed else ", containment inside it is not seen"
+        warnings.append(f"is open: treated as a surface{but} ({loose})")
     elif joined.twisted_edges:
         edges = counted(joined.twisted_edges, "edge")
         warnings.append(f"is of mixed orientation: at {edges} neighbours face opposite ways")
     if joined.flat_triangles:
         warnings.append(f"has {counted(joined.flat_triangles, 'zero-area triangle')}")
-    return warnings
+    return warnings + _doubts(content)
+
+
+def _doubts(content: _Content) -> list[str]:
+    """Return what is doubtful about what the mesh encloses, each kind once."""
+    kinds: dict[str, list[Doubt]] = {}
+    for doubt in content.enclosed.doubts:
+        kinds.setdefault(doubt.problem, []).append(doubt)
+    surface = content.surface
+    return [
+        f"{problem} ({_at(doubts[0].triangles, surface.vertices, surface.triangles)}"
+        + (f", and {counted(len(doubts) - 1, 'more place')})" if len(doubts) > 1 else ")")
+        for problem, doubts in kinds.items()
+    ]
 
 
 def _measured(surface: Surface, own_unit: str, unit: str) -> list[str]:

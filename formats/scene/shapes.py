@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -47,7 +48,7 @@ def scaled_mesh(mesh: Mesh, scale: tuple[float, float, float]) -> Mesh:
     """
     if scale == (1.0, 1.0, 1.0):
         return mesh
-    return Mesh(mesh.name, read_only(mesh.vertices * scale), mesh.triangles, mesh.solid)
+    return replace(mesh, vertices=read_only(mesh.vertices * scale))
 
 
 def frozen_mesh(
