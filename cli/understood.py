@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Container, Sequence
+from collections.abc import Container, Iterator, Sequence
 from itertools import islice
 from math import degrees, inf, isfinite
 from typing import Any
@@ -16,7 +16,7 @@ from ..scheduler.counting import count_pairs
 from ..scheduler.motions import Ballistic, Delayed, Keyframes, Looped
 from ..scheduler.pair import Pair
 from ..scheduler.pairing import ignored_pairs
-from ..scheduler.scene import Body, Scene
+from ..scheduler.scene import Body, IntArray, Mesh, Scene
 from .show import console_for, print_rows
 from .terminal import cell, say
 
@@ -45,6 +45,7 @@ def understood(loaded: LoadedScene, pairs: int, margins: list[float]) -> dict[st
         "pairs_possible": _possible(scene),
         "ignored": [f"{scene.bodies[a].name}|{scene.bodies[b].name}" for a, b in ignored_pairs(scene)],
         "margins": margins,
+        "meshes": [_mesh(mesh) for mesh in _file_meshes(loaded)],
         "files": [
             {"name": file.name, "path": str(file.path)} for file in (*loaded.mesh_files, *loaded.trajectory_files)
         ],
@@ -60,13 +61,13 @@ def print_understood(loaded: LoadedScene, pairs: int, margins: list[float]) -> N
     files = {file.name for file in loaded.trajectory_files}
     for body in scene.bodies[:MOST_ROWS]:
         told = _body(scene, body, files)
-        size = "" if told["size"] is None else " x ".join(f"{length:.3g}" for length in told["size"]) + " m"
+        size = "" if told["size"] is None else _lengths(told["size"])
         recorded += _recorded_lines(told)
         rows.append([*map(cell, (told["name"], told["parent"] or "", _motion(told), _shapes(told), size))])
     print_rows(console, ("body", "parent", "motion", "shapes (triangles)", "size"), rows)
     if len(scene.bodies) > MOST_ROWS:
         console.print(f"... and {counted(len(scene.bodies) - MOST_ROWS, 'more body', 'more bodies')}")
-    for line in recorded:
+    for line in (*recorded, *islice(_enclosed(loaded), MOST_ROWS)):
         console.print(cell(line))
     bodies, possible, ignored = (
         counted(len(scene.bodies), "body", "bodies"),
@@ -82,6 +83,47 @@ def print_understood(loaded: LoadedScene, pairs: int, margins: list[float]) -> N
         more = f" and {len(margins) - 5} more" if len(margins) > 5 else ""
         console.print(f"margins {', '.join(f'{margin:.6g}' for margin in margins[:5])} m{more}")
     console.print(f"from {scene.start:g} to {scene.end:g} s, time resolution {settings.time_resolution:g} s")
+
+
+def _file_meshes(loaded: LoadedScene) -> list[Mesh]:
+    """Return the meshes from files that shapes show, in the order of the bodies; each once, at each scale."""
+    shown = {shape.mesh: None for body in loaded.scene.bodies for shape in body.shapes}
+    files = {file.name for file in loaded.mesh_files}
+    return [mesh for mesh in shown if mesh.name in files]
+
+
+def _mesh(mesh: Mesh) -> dict[str, Any]:
+    """Return what a mesh encloses: its solids, and each cavity with its size (m) and that of the solid around it."""
+    return {
+        "name": mesh.name,
+        "solids": len(mesh.solids),
+        "cavities": [
+            {"size": _spans(mesh, cavity), "around": _spans(mesh, solid.skin)}
+            for solid in mesh.solids
+            for cavity in solid.cavities
+        ],
+    }
+
+
+def _spans(mesh: Mesh, triangles: IntArray) -> list[float]:
+    """Return the lengths (m) of the box around triangles of a mesh."""
+    lengths: list[float] = np.ptp(mesh.vertices[triangles], axis=(0, 1)).tolist()
+    return lengths
+
+
+def _enclosed(loaded: LoadedScene) -> Iterator[str]:
+    """Yield a line for each mesh file, what reads as solid, and one for each of its cavities."""
+    for told in map(_mesh, _file_meshes(loaded)):
+        cavities = f", {counted(len(told['cavities']), 'cavity', 'cavities')}" if told["cavities"] else ""
+        solids = counted(told["solids"], "solid") if told["solids"] else "a surface, nothing inside"
+        yield f"mesh {told['name']}: {solids}{cavities}"
+        for cavity in told["cavities"]:
+            yield f"mesh {told['name']}: cavity of {_lengths(cavity['size'])} in a part of {_lengths(cavity['around'])}"
+
+
+def _lengths(lengths: list[float]) -> str:
+    """Return three lengths (m) in words."""
+    return " x ".join(f"{length:.3g}" for length in lengths) + " m"
 
 
 def _named_ignored(scene: Scene, count: int) -> str:

@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 import yaml
 from cli_process import closecall, command
+from closed_meshes import cube, together, write_obj
 
 from closecall.cli.main import main
 
@@ -93,6 +94,20 @@ def test_the_table_tells_every_body_the_pairs_and_the_times(run) -> None:
     assert rows["from"] == ["0", "to", "2", "s,", "time", "resolution", "0.001", "s"]
 
 
+def test_each_cavity_is_named_with_the_part_that_it_is_cut_from(run, folder: Path) -> None:
+    write_obj(folder / "hollow.obj", together(cube(200), cube(50, (60, 0, 0), inwards=True), cube(20, (-90, 0, 0))))
+    hollow = "{mesh: hollow, scale: 0.5, pose: {xyz: [0, 0, 900]}}"
+    meshes = "  hollow: {file: hollow.obj, units: mm}\nbodies:\n  block: {shapes: [" + hollow + "]}"
+    (folder / "cell.yaml").write_text(CELL.replace("bodies:", meshes))
+    lines = run("check", "cell.yaml").out.splitlines()
+    assert "mesh hollow: 2 solids, 1 cavity" in lines
+    assert "mesh hollow: cavity of 0.05 x 0.05 x 0.05 m in a part of 0.2 x 0.2 x 0.2 m" in lines
+    assert "mesh plate: a surface, nothing inside" in lines
+    told = json.loads(run("check", "cell.yaml", "--json").out)["meshes"]
+    assert [(mesh["name"], mesh["solids"]) for mesh in told] == [("hollow", 2), ("plate", 0)]
+    assert told[0]["cavities"] == [{"size": pytest.approx([0.05] * 3), "around": pytest.approx([0.2] * 3)}]
+
+
 def test_a_pipe_gets_a_line_for_each_body(folder: Path) -> None:
     path = "a_long_name_for_a_body_that_would_not_fit_beside_the_others_in_eighty_columns"
     (folder / "cell.yaml").write_text(CELL.replace("tool", path))
@@ -100,7 +115,7 @@ def test_a_pipe_gets_a_line_for_each_body(folder: Path) -> None:
     done = subprocess.run(command("check", "cell.yaml"), env=environment, capture_output=True, text=True, check=True)
     (row,) = [line for line in done.stdout.splitlines() if line.startswith(path)]
     assert row.endswith(" m")
-    assert len(done.stdout.splitlines()) == 9
+    assert len(done.stdout.splitlines()) == 10
 
 
 def test_one_pair_of_one_kind_is_told_in_the_singular(run, folder: Path) -> None:
@@ -130,6 +145,7 @@ def test_json_tells_the_same_in_si_for_programs(run, folder: Path) -> None:
         "pairs_possible",
         "ignored",
         "margins",
+        "meshes",
         "files",
         "warnings",
     ]

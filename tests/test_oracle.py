@@ -22,6 +22,7 @@ from scipy.spatial.transform import Rotation
 from oracle.bodies import BOX_CORNERS, BOX_TRIANGLES, Surface
 from oracle.check import check
 from oracle.distance import PairDistance
+from oracle.enclosed import solids_of
 from oracle.logs import Log, read_log
 from oracle.meshes import topology
 from oracle.poses import Kinematics
@@ -36,8 +37,7 @@ AXES = np.eye(3)
 
 def surface(triangles: FloatArray, radius: float = 0.0) -> Surface:
     kind = topology(triangles)
-    solids = (triangles,) if kind.closed and len(triangles) > 3 else ()
-    return Surface(triangles, np.full(len(triangles), radius), triangles[kind.parts, 0], solids)
+    return Surface(triangles, np.full(len(triangles), radius), triangles[kind.parts, 0], solids_of(triangles))
 
 
 def box(x: float, y: float, z: float) -> Surface:

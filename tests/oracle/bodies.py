@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .enclosed import Solid, solids_of
 from .meshes import read_triangles, topology
 from .motions import Units, known
 from .poses import units_of
@@ -32,13 +33,13 @@ class Surface:
     """The triangles of a body in its own frame, in m.
 
     A point is the triangle (p, p, p), a segment (a, b, b). The body is all points within `radii` of its triangle,
-    all points inside a closed shape, and its round shapes, of which the triangles are a coarse mesh inside.
+    all points inside its solids, and its round shapes, of which the triangles are a coarse mesh inside.
 
     Attributes:
         triangles: (n, 3, 3) m.
         radii: (n,) m, the rounding radius of each triangle's shape.
         probes: (k, 3) m, one corner of each connected part of each shape.
-        solids: the closed shapes, each (m, 3, 3) m.
+        solids: what the shapes enclose.
         rounds: cylinders, cones and ellipsoids.
         owners: (n,) which of `rounds` each triangle belongs to, -1 for none; None: all belong to none.
     """
@@ -46,7 +47,7 @@ class Surface:
     triangles: FloatArray
     radii: FloatArray
     probes: FloatArray
-    solids: tuple[FloatArray, ...]
+    solids: tuple[Solid, ...]
     rounds: tuple[Round, ...] = ()
     owners: IntArray | None = None
 
@@ -122,9 +123,7 @@ def surface_of(scene: Mapping[str, Any], name: str, folder: Path) -> Surface:
         np.concatenate([np.zeros((0, 3, 3)), *(core.triangles for core in cores)]),
         np.concatenate([np.zeros(0), *(np.full(len(core.triangles), core.radius) for core in cores)]),
         np.concatenate([np.zeros((0, 3)), *probes]),
-        tuple(
-            core.triangles for core, kind in zip(cores, kinds, strict=True) if kind.closed and len(core.triangles) > 3
-        ),
+        tuple(solid for core in cores for solid in solids_of(core.triangles)),
         tuple(rounds),
         np.concatenate([np.zeros(0, dtype=np.int64), *owners]),
     )

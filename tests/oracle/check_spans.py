@@ -10,7 +10,6 @@ import numpy as np
 
 from .bodies import Surface
 from .distance import PairDistance
-from .inside import winding
 from .rigid import FloatArray, inverse, rigid
 from .sampling import Effort, Samples, clearances, span_index
 from .truth import POINT, Pair, Truth
@@ -189,8 +188,8 @@ def depth_in(host: Surface, guest: Surface, pose: FloatArray) -> float:
     gaps = np.maximum(PairDistance(bare, POINT).surfaces(rigid(None, corners)), 0.0)
     held = np.zeros(len(corners), dtype=bool)
     for solid in host.solids:
-        held |= np.abs(winding(corners, solid)) > 0.5
+        held |= solid.holds(corners)
     rounding = host.radii.min()
     outside = np.minimum(rounding, rounding - (gaps - radii))
-    one_solid = len(host.solids) == 1 and len(host.triangles) == len(host.solids[0])
+    one_solid = len(host.solids) == 1 and len(host.triangles) == len(host.solids[0].surface)
     return float(np.where(held & one_solid, gaps, outside).max(initial=0.0))

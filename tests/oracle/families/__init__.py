@@ -1,4 +1,4 @@
-"""Scenes made to break a certificate: ten families, each by number."""
+"""Scenes made to break a certificate: fourteen families, each by number."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 from ..draw import Draw
 from ..scenes import Bodies, begun, scene_of, write_document
-from . import far, instants, nested, speed
+from . import far, instants, nested, speed, wound
 
 Family = Callable[[Draw], Bodies]
 
@@ -23,6 +23,10 @@ FAMILIES: dict[str, Family] = {
     "contact_at_the_start": instants.contact_at_the_start,
     "contact_at_the_end": instants.contact_at_the_end,
     "far_offsets": far.far_offsets,
+    "opposite_parts": wound.opposite_parts,
+    "turned_faces": wound.turned_faces,
+    "joined_parts": wound.joined_parts,
+    "cavities": wound.cavities,
 }
 
 FIRST_SEED = 10_000_000
