@@ -2,13 +2,16 @@
 
 The scheme proves that a pair stays apart, not by how much: a sleep spends all the clearance there is. Once the pair is
 decided, the stretches that may hold its least distance are gone through again, by the same bounds, but the pair sleeps
-only while it provably stays above a target: the least distance measured so far, less the tolerance.
+only while it provably stays above a goal: the least distance measured so far, less the tolerance; or, where that would
+take too many measurements, the greatest share of it that they allow.
 """
 
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator
 from math import inf
+
+import numpy as np
 
 from .events import Bound, Distance, Reason, Verdict, Wakeup
 from .outlook import Outlook
@@ -21,7 +24,17 @@ LEAST_TOLERANCE = 1e-6
 #: No better than this many times the error of measurement either: the target stays below what is measured.
 ERRORS = 8.0
 #: Measurements a pair at most; the bracket stays wider where they do not suffice.
-MOST_MEASUREMENTS = 4_000
+MOST_MEASUREMENTS = 5_000
+#: So many of them are left to raise the bound as far as they allow, where the others were spent in vain.
+RESERVE = 1_000
+#: Shares of the least distance that are aimed at where the whole would take more than are left,
+SHARES = tuple(0.05 * share for share in range(19, 0, -1))
+#: and the least one that is worth going through the stretches again.
+WORTH_A_SWEEP = 0.1
+#: So many stretches are gone through until it is asked anew what measurements allow.
+STRETCHES_BETWEEN = 16
+#: After so many, what is left of the whole is tried on only if it will hardly take more than there are.
+TRIAL = 500
 #: A descent goes on while it may find so large a share of the tolerance more.
 WORTH_A_STEP = 0.25
 #: Bounding spheres settle a measurement above this many times the target.
@@ -51,6 +64,7 @@ class LeastDistance:
         self._floor = floor
         self._stretches = stretches
         self._left = MOST_MEASUREMENTS
+        self._reserve = 0
         self.upper = min((stretch.nearest for stretch in stretches), default=inf)
 
     @property
@@ -73,20 +87,65 @@ class LeastDistance:
             return
         lowest = min(stretches, key=lambda stretch: (stretch.nearest, stretch.clearance))
         yield from self._descend((yield from self._probe(lowest.start)), lowest.start, lowest.end)
-        first = 0
-        while first < len(stretches):
-            last = first
-            while last < len(stretches) and stretches[last].clearance < self.target:
-                last += 1
-            if last > first:
-                if not (yield from self._advance(stretches[first].start, stretches[last - 1].end)):
-                    return
-                stretches[first:last] = [self._kept(stretch) for stretch in stretches[first:last]]
-            first = last + 1
+        self._reserve = RESERVE
+        if (yield from self._sweep(self.target)):
+            return
+        self._reserve = 0
+        while True:
+            least = min(stretch.clearance for stretch in stretches)
+            goal = self._affordable(0)
+            if goal - least < WORTH_A_SWEEP * self.upper or not (yield from self._sweep(goal)):
+                return
 
-    def _kept(self, stretch: Stretch) -> Stretch:
-        """Return a stretch that stays above the target; what grazed its margin may turn out to have kept it."""
-        clearance = max(stretch.clearance, self.target)
+    def _sweep(self, goal: float) -> Generator[Found, None, bool]:
+        """Raise the stretches that are not above a goal (m), or a lower one; return whether that was done."""
+        stretches = self._stretches
+        first, whole = 0, self._guess(0, goal)
+        while first < len(stretches):
+            goal = min(goal, self.target)
+            last = first
+            while last < min(len(stretches), first + STRETCHES_BETWEEN) and stretches[last].clearance < goal:
+                last += 1
+            if last == first:
+                first += 1
+                continue
+            if self._reserve:
+                goal = goal if self._hopeful(first, whole) else 0.0
+            else:
+                goal = min(goal, self._affordable(first))
+            if goal <= 0.0 or not (yield from self._advance(stretches[first].start, stretches[last - 1].end, goal)):
+                return False
+            kept = min(goal, self.target)
+            stretches[first:last] = [self._kept(stretch, kept) for stretch in stretches[first:last]]
+            first = last
+        return True
+
+    def _hopeful(self, first: int, whole: float) -> bool:
+        """Tell whether the stretches from one on may be raised above the target, by what those before took.
+
+        `whole` is the guess for all.
+        """
+        taken, left = MOST_MEASUREMENTS - self._left, self._guess(first, self.target)
+        return taken < TRIAL or taken * left <= (self._left - self._reserve) * max(0.0, whole - left)
+
+    def _affordable(self, first: int) -> float:
+        """Return the highest goal (m) that the measurements left seem to allow for the stretches from one on, or 0."""
+        goals = (self.target, *(share * self.upper for share in SHARES))
+        return next((goal for goal in goals if goal <= self.target and self._guess(first, goal) <= self._left), 0.0)
+
+    def _guess(self, first: int, goal: float) -> float:
+        """Guess how many measurements it takes to raise the stretches from one on above a goal (m).
+
+        Each has spent what it had, its distance; above the goal there is so much less to spend. Nothing rests on it.
+        """
+        low = [stretch.nearest for stretch in self._stretches[first:] if stretch.clearance < goal]
+        nearest = np.maximum(low, self.upper)
+        spare = np.maximum(nearest - goal, self.upper - self.target)
+        return float(np.divide(nearest, spare, out=np.ones(len(spare)), where=np.isfinite(spare)).sum())
+
+    def _kept(self, stretch: Stretch, above: float) -> Stretch:
+        """Return a stretch that stays above some m; what grazed its margin may turn out to have kept it."""
+        clearance = max(stretch.clearance, above)
         verdict = Verdict.CLEAR if clearance > self._pair.margin else stretch.verdict
         return stretch._replace(verdict=verdict, clearance=clearance)
 
@@ -110,26 +169,28 @@ class LeastDistance:
         yield from self._told(measurement, Bound.NONE, 0.0)
         return measurement
 
-    def _advance(self, time: float, end: float) -> Generator[Found, None, bool]:
-        """Prove the time (s) until `end`, both included, to stay above the target; return whether that was done.
+    def _advance(self, time: float, end: float, goal: float) -> Generator[Found, None, bool]:
+        """Prove the time (s) until `end`, both included, to stay above the goal (m), or above the target where that
+        falls below it; return whether that was done.
 
         It ends because each sleep is worth at least the tolerance, and because measurements are limited.
         """
         while True:
-            before = self.upper
-            measurement = self._measured(time, SPHERES_SUFFICE * self.target)
+            before, keeps = self.upper, min(goal, self.target)
+            measurement = self._measured(time, SPHERES_SUFFICE * keeps)
             if measurement.above < before:
                 yield from self._descend(measurement, time, end)
+                keeps = min(goal, self.target)
             stop = min(end, self._pair.motion.stop_after(time))  # joined stretches may hold jumps
             ahead = stop - time
             sleep, bound = 0.0, Bound.NONE
             if time < end:
-                sleep, bound = Outlook(self._pair, measurement, self.target).sleep(ahead, self._floor)
+                sleep, bound = Outlook(self._pair, measurement, keeps).sleep(ahead, self._floor)
             yield from self._told(measurement, bound, sleep)
             if time >= end:
                 return True
             woken = stop if sleep >= ahead else min(time + sleep, stop)
-            if woken == time or self._left <= 0:
+            if woken == time or self._left <= self._reserve:
                 return False
             time = woken
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from small_scenes import box, events_of, round_shape
 
-from closecall.scheduler import stretches
+from closecall.scheduler import minimum, stretches
 from closecall.scheduler.events import Distance, Reason, Span, Verdict, Wakeup
 from closecall.scheduler.motions import Constant, Fixed, Harmonic, Keyframes, Looped, Orbit, Translation
 from closecall.scheduler.scene import Body, Settings
@@ -55,6 +55,19 @@ def test_a_turning_bar_comes_as_near_as_its_corner(share):
     bar = body("bar", box(2.0, 0.2, 0.2), O, Constant(O, (0.0, 0.0, 2.0)))
     events = events_of(wall, bar, settings=Settings(distance_tolerance=share))
     assert is_tight(events, 1.05 - hypot(1.0, 0.1), share)
+
+
+def test_a_search_without_measurements_for_the_whole_still_proves_what_they_allow(monkeypatch):
+    """A bar passes a wall 25 times; what is left is not twice what it took to prove it clear."""
+    monkeypatch.setattr(minimum, "MOST_MEASUREMENTS", 300)
+    monkeypatch.setattr(minimum, "RESERVE", 250)
+    wall = body("wall", box(0.1, 6.0, 6.0), (1.1, 0.0, 0.0), Fixed())
+    bar = body("bar", box(2.0, 0.2, 0.2), O, Constant(O, (0.0, 0.0, 20.0)))
+    events = events_of(wall, bar)
+    lower, upper, _ = bracket(events)
+    least = 1.05 - hypot(1.0, 0.1)
+    assert 0.5 * least < lower < least <= upper < 1.01 * least
+    assert sum(isinstance(event, Wakeup) and event.reason is Reason.MINIMUM for event in events) <= 300
 
 
 def test_the_bracket_of_a_gap_that_swings_is_tight():
