@@ -12,6 +12,7 @@ from time import perf_counter
 import click
 
 from ..formats.log.chunks import Compression
+from ..formats.log.doubts import doubts
 from ..formats.log.summary import Summary
 from ..formats.log.viewer.pictures import Picture
 from ..formats.log.viewer.viewer import ViewerOptions
@@ -101,7 +102,7 @@ def run_job(scene_path: Path, output: Path, options: RunOptions) -> Result:
         "log": writing + done - scheduled,
         "total": done - began,
     }
-    return Result(summary, loaded.warnings, note, seconds)
+    return Result(summary, (*loaded.warnings, *doubts(summary["pairs"])), note, seconds)
 
 
 def _run_here(work: Work, options: RunOptions) -> Events:

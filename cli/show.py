@@ -13,6 +13,7 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
+from ..formats.log.bracket import promised, why_wide
 from ..formats.log.clock import seconds_told
 from ..formats.log.diff.wording import between
 from ..formats.log.escapes import json_text
@@ -116,6 +117,8 @@ def print_summary(
         print_rows(console, ("pair", "verdict", "least distance", "when"), rows)
     else:
         console.print("no listed pair matches")
+    for note in _notes(summary, shown):
+        console.print(note)
     if more:
         console.print(f"... and {counted(more, 'more pair')}")
     counts = summary["totals"]["pairs"]
@@ -153,7 +156,15 @@ def _distance(pair: PairSummary) -> str:
         return f"above {_at_least(lower)} m" if lower > 0.0 else "unknown"
     if upper == 0.0:
         return "0"
-    return f"{_at_least(lower)} .. {upper:.6g} m at {seconds_told(time)} s"
+    wide = "" if why_wide(pair["distance"]) is None else ", wide"
+    return f"{_at_least(lower)} .. {upper:.6g} m at {seconds_told(time)} s{wide}"
+
+
+def _notes(summary: Summary, shown: Iterable[PairSummary]) -> list[str]:
+    """Return why some of the least distances are known less well than promised, and what would help."""
+    found = dict.fromkeys(why for pair in shown if (why := why_wide(pair["distance"])) is not None)
+    limit = promised(summary["settings"].get("distance_tolerance"))
+    return [f"wide: not known to {limit}: {why}" for why in found]
 
 
 def _at_least(lower: float) -> str:

@@ -124,7 +124,11 @@ class Wakeup:
 
 @dataclass(frozen=True, slots=True)
 class Distance:
-    """An exact distance of the two solids (rounding radii off), 0 in contact, and where it was taken."""
+    """An exact distance of the two solids (rounding radii off), 0 in contact, and where it was taken.
+
+    Attributes:
+        excess: m, how much farther apart the bodies may be than the polyhedra around their round shapes.
+    """
 
     time: float
     pair: PairKey
@@ -133,6 +137,7 @@ class Distance:
     witness_b: Point
     feature_a: Feature
     feature_b: Feature
+    excess: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,6 +168,7 @@ class Span:
             UNRESOLVED span, it is the margin that is neither kept nor breached for certain.
         depth_limit: m, no point of one solid is deeper than this in the other, inside an UNRESOLVED span; 0 when
             CLEAR or BREACH, nan when CONTACT.
+        error: m, by how much distances measured between the two may be wrong; it is off the clearance already.
     """
 
     pair: PairKey
@@ -171,6 +177,7 @@ class Span:
     end: float
     clearance: float
     depth_limit: float
+    error: float = 0.0
 
     @property
     def time(self) -> float:

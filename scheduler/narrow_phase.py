@@ -21,7 +21,7 @@ from .rotation import FloatArray, mapped, translation_of
 from .scene import Body, Mesh, Shape
 from .sliver import EPSILON
 from .triangle import meeting_point
-from .vector import Vector, add, norm, subtract
+from .vector import Vector, add, norm, scale, subtract
 
 Found = TypeVar("Found")
 
@@ -121,6 +121,22 @@ class NarrowPhase:
         self._place(a, b, pose_a, pose_b)
         one, other = self._bodies[a][features[0].shape], self._bodies[b][features[1].shape]
         return np.array(one.corners(features[0].triangle)), np.array(other.corners(features[1].triangle))
+
+    def excess(
+        self, a: int, b: int, pose_a: FloatArray, pose_b: FloatArray, near: Proximity, features: tuple[Feature, Feature]
+    ) -> float:
+        """Return how much farther apart (m) two bodies are at most than what was measured of them at these poses.
+
+        Only round shapes, measured as polyhedra around them, are any farther: two points that they hold tell how far.
+        """
+        one, other = self._bodies[a][features[0].shape], self._bodies[b][features[1].shape]
+        stands_out = one.shape.chord_error + other.shape.chord_error
+        if stands_out == 0.0:
+            return 0.0
+        self._place(a, b, pose_a, pose_b)
+        back = scale(-1.0, translation_of(pose_a))
+        ends = one.held(add(near.witness_a, back)), other.held(add(near.witness_b, back))
+        return min(stands_out, max(0.0, norm(subtract(*ends)) - near.distance))
 
     def depth(self, a: int, b: int, pose_a: FloatArray, pose_b: FloatArray) -> float:
         """Return how far (m) two touching bodies may get relative to each other and touch; errs low, 0 if unknown.

@@ -269,10 +269,14 @@ class Pair:
             a = b = measurement.inside
         if measurement.touching:
             gap = 0.0
+        features, excess = (proximity.feature_a(), proximity.feature_b()), 0.0
+        if not self.possible:
+            poses = measurement.moments.a.pose, measurement.moments.b.pose
+            excess = self._narrow_phase.excess(self._a, self._b, *poses, proximity, features)
         if self._ancestry:
             world = self._world_from_ancestor(measurement.time)
             a, b = mapped(world, a), mapped(world, b)
-        return Distance(measurement.time, self.key, gap, a, b, proximity.feature_a(), proximity.feature_b())
+        return Distance(measurement.time, self.key, gap, a, b, *features, excess)
 
     @cached_property
     def _round(self) -> bool:

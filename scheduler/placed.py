@@ -139,6 +139,13 @@ class PlacedShape:
         moved: FloatArray = points @ self.pose[:3, :3].T + self.pose[:3, 3]
         return moved
 
+    def held(self, point: Vector) -> Vector:
+        """Return a point that the true shape holds, near one (m) of the polyhedron that is measured for it."""
+        if self.shape.solid is None:
+            return point
+        x, y, z = self.local(np.array(point)).tolist()
+        return mapped(self.pose, self.shape.solid.held((x, y, z)))
+
     def corners(self, triangle: int) -> Triangle:
         """Return a core triangle's corners in the measuring frame."""
         return self._corners(triangle, self.pose)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .motions import Interval, Motion
+from .round_solid import RoundSolid
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -72,12 +73,14 @@ class Shape:
     Attributes:
         chord_error: m, no point of the mesh is farther than this from the true shape, which it encloses; 0 where the
             mesh is the shape itself.
+        solid: that shape in the mesh's frame; None where the mesh is the shape itself.
     """
 
     mesh: Mesh
     radius: float
     pose: FloatArray
     chord_error: float = 0.0
+    solid: RoundSolid | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -58,11 +58,12 @@ class SpanRecord:
         end: s, up to when all is decided.
     """
 
-    def __init__(self, key: PairKey, start: float) -> None:
-        """Begin at `start`, s."""
+    def __init__(self, key: PairKey, start: float, error: float = 0.0) -> None:
+        """Begin at `start`, s; `error` (m) is that of the pair's distances."""
         self.untold: list[Stretch] = []
         self.touched = False
         self._key = key
+        self._error = error
         self.end = start
         self._last: Stretch | None = None
 
@@ -100,7 +101,7 @@ class SpanRecord:
         self.untold.clear()
 
     def _span(self, last: Stretch) -> Span:
-        return Span(self._key, last.verdict, last.start, last.end, last.clearance, last.depth_limit)
+        return Span(self._key, last.verdict, last.start, last.end, last.clearance, last.depth_limit, self._error)
 
 
 def _coarser(stretches: list[Stretch]) -> list[Stretch]:

@@ -56,7 +56,7 @@ class Watch:
         tolerance = self._margin_tolerance if pair.margin > 0.0 else settings.contact_tolerance
         self._floor = Floor(settings, tolerance, latest)
         self._hold = Hold(pair, settings.time_resolution)
-        self._spans = SpanRecord(pair.key, pair.start)
+        self._spans = SpanRecord(pair.key, pair.start, pair.error)
         self._near = False  # whether bounding spheres have not cleared it so far that its least distance may stay loose
 
     def learn(self, measurement: Measurement) -> Iterator[Event]:

@@ -136,7 +136,7 @@ def move_the_minimum(log: Log) -> None:
     summary = json.loads(log.attachments["summary.json"])
     told = next(one for one in summary["pairs"] if one["pair"] == pair)
     time = (farther["timestamp"] - EPOCH) / 1e9
-    told["distance"] = {"lower": farther["distance"] * (1.0 - 1e-6), "upper": farther["distance"], "time": time}
+    told["distance"] |= {"lower": farther["distance"] * (1.0 - 1e-6), "upper": farther["distance"], "time": time}
     log.attachments["summary.json"] = json.dumps(summary).encode()
 
 

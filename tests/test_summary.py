@@ -6,11 +6,13 @@ import json
 import math
 import random
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, cast
 
 import numpy as np
 import pytest
 
+from closecall.formats.log.doubts import doubts
 from closecall.formats.log.summary import SummaryBuilder, subject_of, to_json
 from closecall.scheduler.events import (
     Bound,
@@ -62,16 +64,16 @@ def folded(*events, **options):
     return summary.summary()
 
 
-def span(pair: PairKey, verdict: Verdict, start: float, end: float, clearance: float = 0.0) -> Span:
-    return Span(pair, verdict, start, end, clearance, math.nan)
+def span(pair: PairKey, verdict: Verdict, start: float, end: float, clearance: float = 0.0, error: float = 0.0) -> Span:
+    return Span(pair, verdict, start, end, clearance, math.nan, error)
 
 
 def wakeup(pair: PairKey, level: Level, time: float = 1.0) -> Wakeup:
     return Wakeup(time, pair, Reason.TIME_BOUND, level, Bound.LECTURE, 0.5, 0.1)
 
 
-def distance(pair: PairKey, time: float, value: float) -> Distance:
-    return Distance(time, pair, value, ORIGIN, ORIGIN, FACE, FACE)
+def distance(pair: PairKey, time: float, value: float, excess: float = 0.0) -> Distance:
+    return Distance(time, pair, value, ORIGIN, ORIGIN, FACE, FACE, excess)
 
 
 def collision(pair: PairKey, phase: Phase, clear: float, touching: float) -> Collision:
@@ -90,7 +92,15 @@ def test_summary_has_the_contracts_keys_in_its_order():
             "body_b": "hammer",
             "verdict": "clear",
             "margin": 0.0,
-            "distance": {"lower": 0.25, "upper": None, "time": None},
+            "distance": {
+                "lower": 0.25,
+                "upper": None,
+                "time": None,
+                "bracket": "open",
+                "why": "far",
+                "help": None,
+            },
+            "error": 0.0,
             "chord_error": 0.0,
             "contacts": [],
             "breaches": [],
@@ -117,7 +127,8 @@ def test_lower_is_the_least_certified_clearance_and_upper_the_least_measured_dis
         distance(FIRST, 6.0, 0.4),
         span(FIRST, Verdict.CLEAR, 4.0, 10.0, 0.1),
     )["pairs"]
-    assert pair["distance"] == {"lower": 0.1, "upper": 0.15, "time": 2.0}
+    told = pair["distance"]
+    assert (told["lower"], told["upper"], told["time"]) == (0.1, 0.15, 2.0)
 
 
 @pytest.mark.parametrize("verdict", [Verdict.CONTACT, Verdict.UNRESOLVED])
@@ -179,12 +190,58 @@ def test_contacts_name_the_keys_that_each_body_is_between_where_they_begin():
     assert asked == [(0, 2.1), (1, 2.1), (1, 3.1), (2, 3.1)]
 
 
-def test_the_upper_distance_of_round_bodies_is_widened_by_both_their_chord_errors():
-    (pair,) = folded(
-        span(FIRST, Verdict.CLEAR, 0.0, 10.0, 0.25), distance(FIRST, 5.0, 0.3), chord_errors=(0.01, 0.02, 0.04)
-    )["pairs"]
+def test_the_upper_distance_of_round_bodies_is_what_was_measured_of_them_and_not_of_their_polyhedra():
+    facts = (distance(FIRST, 5.0, 0.3, 0.02), distance(FIRST, 6.0, 0.305))
+    (pair,) = folded(span(FIRST, Verdict.CLEAR, 0.0, 10.0, 0.25), *facts, chord_errors=(0.01, 0.02, 0.04))["pairs"]
     assert pair["chord_error"] == pytest.approx(0.03)
-    assert pair["distance"] == {"lower": 0.25, "upper": pytest.approx(0.33), "time": 5.0}
+    told = pair["distance"]
+    assert (told["lower"], told["upper"], told["time"]) == (0.25, 0.305, 6.0)
+
+
+@pytest.mark.parametrize(
+    ("told", "word", "why"),
+    [
+        ([span(FIRST, Verdict.CLEAR, 0.0, 10.0, 0.297), distance(FIRST, 5.0, 0.3)], "tight", None),
+        ([span(FIRST, Verdict.CLEAR, 0.0, 10.0, 0.2969), distance(FIRST, 5.0, 0.3)], "wide", "search"),
+        ([span(FIRST, Verdict.CLEAR, 0.0, 10.0, 1e-6), distance(FIRST, 5.0, 2e-6)], "tight", None),
+        ([span(FIRST, Verdict.CLEAR, 0.0, 10.0, 4e-17), distance(FIRST, 5.0, 4.4e-5)], "wide", "search"),
+        ([span(FIRST, Verdict.CLEAR, 0.0, 10.0, 0.299), distance(FIRST, 5.0, 0.3, 0.003)], "wide", "polyhedra"),
+        ([span(FIRST, Verdict.CLEAR, 0.0, 10.0, 0.29, 2e-3), distance(FIRST, 5.0, 0.3)], "wide", "error"),
+        ([span(FIRST, Verdict.CLEAR, 0.0, 10.0, 0.2, 2e-3), distance(FIRST, 5.0, 0.3)], "wide", "search"),
+        ([span(FIRST, Verdict.UNRESOLVED, 0.0, 10.0), distance(FIRST, 5.0, 0.3)], "wide", "unresolved"),
+        ([span(FIRST, Verdict.UNRESOLVED, 0.0, 10.0, 0.299), distance(FIRST, 5.0, 0.3)], "tight", None),
+        ([span(FIRST, Verdict.CONTACT, 0.0, 10.0), distance(FIRST, 5.0, 0.0)], "tight", None),
+        ([span(FIRST, Verdict.CONTACT, 0.0, 10.0), distance(FIRST, 5.0, 0.0, 1e-4)], "wide", "polyhedra"),
+        ([span(FIRST, Verdict.POSSIBLE, 0.0, 10.0)], "open", "unknown path"),
+        ([span(FIRST, Verdict.CLEAR, 0.0, 10.0, 3.0)], "open", "far"),
+    ],
+)
+def test_a_least_distance_says_whether_it_is_known_to_one_hundredth_or_a_micrometre_and_why_not(told, word, why):
+    (pair,) = folded(*told)["pairs"]
+    assert (pair["distance"]["bracket"], pair["distance"]["why"]) == (word, why)
+    assert (pair["distance"]["help"] is not None) == (word == "wide")
+
+
+def test_a_least_distance_that_was_not_sought_says_so():
+    subject = subject_of(Scene((), 0.0, 10.0, PairRules()), Settings(distance_tolerance=None), 1)
+    summary = SummaryBuilder(replace(subject, name=NAMES.__getitem__, chord_error=lambda body: 0.0))
+    for event in (span(FIRST, Verdict.CLEAR, 0.0, 10.0, 0.29999), distance(FIRST, 5.0, 0.3)):
+        summary.add(event)
+    told = summary.summary()["pairs"][0]["distance"]
+    assert (told["bracket"], told["why"]) == ("wide", "not sought")
+
+
+def test_a_pair_tells_the_error_of_its_distances_and_a_large_one_is_warned_of():
+    (pair,) = folded(span(FIRST, Verdict.CLEAR, 0.0, 10.0, 0.2, 1e-9), distance(FIRST, 5.0, 0.3))["pairs"]
+    assert pair["error"] == 1e-9
+    assert doubts([pair]) == ()
+    small = {**pair, "error": 1e-9, "distance": {**pair["distance"], "upper": 0.5e-9}}
+    large = {**pair, "error": 1.5e-3}
+    for doubted, error in ((small, "1e-09"), (large, "0.0015")):
+        (warning,) = doubts([cast(Any, doubted)])
+        assert warning.startswith(f"distances of gear | hammer may be wrong by {error} m; ")
+    (warning,) = doubts([cast(Any, small), cast(Any, large)])
+    assert "0.0015 m, those of 1 more by less; " in warning
 
 
 def test_breaches_are_listed_in_time_order():
@@ -229,7 +286,8 @@ def test_json_has_null_for_the_unknown_and_never_nan():
         )
     )
     summary = json.loads(text, parse_constant=pytest.fail)
-    assert [pair["distance"] for pair in summary["pairs"]] == [{"lower": 0.0, "upper": None, "time": None}] * 3
+    ends = [[pair["distance"][key] for key in ("lower", "upper", "time")] for pair in summary["pairs"]]
+    assert ends == [[0.0, None, None]] * 3
 
 
 def test_a_nan_distance_does_not_hide_a_measured_one():

@@ -65,6 +65,7 @@ class FactFiller:
         _fill_point(message.witness_b, event.witness_b)
         _fill_feature(message.feature_a, event.feature_a)
         _fill_feature(message.feature_b, event.feature_b)
+        message.excess = event.excess
 
     def fill_collision(self, message: pb.Collision, event: Collision) -> None:
         """Say that a contact begins or ends."""
@@ -94,6 +95,7 @@ class FactFiller:
         message.end = event.end
         message.clearance = event.clearance
         message.depth_limit = event.depth_limit
+        message.error = event.error
 
     def fill_window(self, message: pb.Window, event: Window) -> None:
         """Say what box a body does not leave over an interval."""

@@ -126,14 +126,14 @@ class Folding:
             case pb.Wakeup():
                 self._builder.add_wakeup(pair, _LEVELS[message.level])
             case pb.Distance():
-                self._builder.add_distance(pair, message.distance, time)
+                self._builder.add_distance(pair, message.distance, message.excess, time)
             case pb.Collision():
                 self._builder.add_collision(pair, _PHASES[message.phase], message.time_clear, message.time_touching)
                 self._keys[pair.a, message.time_touching] = message.key_before_a, message.key_after_a
                 self._keys[pair.b, message.time_touching] = message.key_before_b, message.key_after_b
             case pb.Span():
                 verdict = _VERDICTS[message.verdict]
-                self._builder.add_span(pair, verdict, message.start, message.end, message.clearance)
+                self._builder.add_span(pair, verdict, message.start, message.end, message.clearance, message.error)
                 _cover(self._covered.setdefault(pair.id, []), message.start, message.end)
 
     def found(self, loss: Loss | None) -> Found:

@@ -102,7 +102,7 @@ class Wakeup(_message.Message):
     def __init__(self, timestamp: _Optional[_Union[_timestamp_pb2.Timestamp, _Mapping[str, object]]] = ..., pair: _Optional[str] = ..., pair_id: _Optional[int] = ..., body_a: _Optional[str] = ..., body_b: _Optional[str] = ..., reason: _Optional[_Union[Wakeup.Reason.Value, str]] = ..., level: _Optional[_Union[Wakeup.Level.Value, str]] = ..., bound: _Optional[str] = ..., clearance: _Optional[float] = ..., sleep: _Optional[float] = ...) -> None: ...
 
 class Distance(_message.Message):
-    __slots__ = ("timestamp", "pair", "pair_id", "body_a", "body_b", "distance", "witness_a", "witness_b", "feature_a", "feature_b")
+    __slots__ = ("timestamp", "pair", "pair_id", "body_a", "body_b", "distance", "witness_a", "witness_b", "feature_a", "feature_b", "excess")
     TIMESTAMP_FIELD_NUMBER: _ClassVar[int]
     PAIR_FIELD_NUMBER: _ClassVar[int]
     PAIR_ID_FIELD_NUMBER: _ClassVar[int]
@@ -113,6 +113,7 @@ class Distance(_message.Message):
     WITNESS_B_FIELD_NUMBER: _ClassVar[int]
     FEATURE_A_FIELD_NUMBER: _ClassVar[int]
     FEATURE_B_FIELD_NUMBER: _ClassVar[int]
+    EXCESS_FIELD_NUMBER: _ClassVar[int]
     timestamp: _timestamp_pb2.Timestamp
     pair: str
     pair_id: int
@@ -123,7 +124,8 @@ class Distance(_message.Message):
     witness_b: Point
     feature_a: Feature
     feature_b: Feature
-    def __init__(self, timestamp: _Optional[_Union[_timestamp_pb2.Timestamp, _Mapping[str, object]]] = ..., pair: _Optional[str] = ..., pair_id: _Optional[int] = ..., body_a: _Optional[str] = ..., body_b: _Optional[str] = ..., distance: _Optional[float] = ..., witness_a: _Optional[_Union[Point, _Mapping[str, object]]] = ..., witness_b: _Optional[_Union[Point, _Mapping[str, object]]] = ..., feature_a: _Optional[_Union[Feature, _Mapping[str, object]]] = ..., feature_b: _Optional[_Union[Feature, _Mapping[str, object]]] = ...) -> None: ...
+    excess: float
+    def __init__(self, timestamp: _Optional[_Union[_timestamp_pb2.Timestamp, _Mapping[str, object]]] = ..., pair: _Optional[str] = ..., pair_id: _Optional[int] = ..., body_a: _Optional[str] = ..., body_b: _Optional[str] = ..., distance: _Optional[float] = ..., witness_a: _Optional[_Union[Point, _Mapping[str, object]]] = ..., witness_b: _Optional[_Union[Point, _Mapping[str, object]]] = ..., feature_a: _Optional[_Union[Feature, _Mapping[str, object]]] = ..., feature_b: _Optional[_Union[Feature, _Mapping[str, object]]] = ..., excess: _Optional[float] = ...) -> None: ...
 
 class Collision(_message.Message):
     __slots__ = ("timestamp", "pair", "pair_id", "body_a", "body_b", "phase", "time_clear", "time_touching", "kind", "triangle_a", "triangle_b", "point", "shape_a", "shape_b", "key_before_a", "key_after_a", "key_before_b", "key_after_b")
@@ -188,7 +190,7 @@ class Collision(_message.Message):
     def __init__(self, timestamp: _Optional[_Union[_timestamp_pb2.Timestamp, _Mapping[str, object]]] = ..., pair: _Optional[str] = ..., pair_id: _Optional[int] = ..., body_a: _Optional[str] = ..., body_b: _Optional[str] = ..., phase: _Optional[_Union[Collision.Phase.Value, str]] = ..., time_clear: _Optional[float] = ..., time_touching: _Optional[float] = ..., kind: _Optional[_Union[Collision.Kind.Value, str]] = ..., triangle_a: _Optional[int] = ..., triangle_b: _Optional[int] = ..., point: _Optional[_Union[Point, _Mapping[str, object]]] = ..., shape_a: _Optional[int] = ..., shape_b: _Optional[int] = ..., key_before_a: _Optional[str] = ..., key_after_a: _Optional[str] = ..., key_before_b: _Optional[str] = ..., key_after_b: _Optional[str] = ...) -> None: ...
 
 class Span(_message.Message):
-    __slots__ = ("timestamp", "pair", "pair_id", "body_a", "body_b", "verdict", "start", "end", "clearance", "depth_limit")
+    __slots__ = ("timestamp", "pair", "pair_id", "body_a", "body_b", "verdict", "start", "end", "clearance", "depth_limit", "error")
     class Verdict(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
         __slots__ = ()
         UNKNOWN: _ClassVar[Span.Verdict]
@@ -213,6 +215,7 @@ class Span(_message.Message):
     END_FIELD_NUMBER: _ClassVar[int]
     CLEARANCE_FIELD_NUMBER: _ClassVar[int]
     DEPTH_LIMIT_FIELD_NUMBER: _ClassVar[int]
+    ERROR_FIELD_NUMBER: _ClassVar[int]
     timestamp: _timestamp_pb2.Timestamp
     pair: str
     pair_id: int
@@ -223,7 +226,8 @@ class Span(_message.Message):
     end: float
     clearance: float
     depth_limit: float
-    def __init__(self, timestamp: _Optional[_Union[_timestamp_pb2.Timestamp, _Mapping[str, object]]] = ..., pair: _Optional[str] = ..., pair_id: _Optional[int] = ..., body_a: _Optional[str] = ..., body_b: _Optional[str] = ..., verdict: _Optional[_Union[Span.Verdict, str]] = ..., start: _Optional[float] = ..., end: _Optional[float] = ..., clearance: _Optional[float] = ..., depth_limit: _Optional[float] = ...) -> None: ...
+    error: float
+    def __init__(self, timestamp: _Optional[_Union[_timestamp_pb2.Timestamp, _Mapping[str, object]]] = ..., pair: _Optional[str] = ..., pair_id: _Optional[int] = ..., body_a: _Optional[str] = ..., body_b: _Optional[str] = ..., verdict: _Optional[_Union[Span.Verdict, str]] = ..., start: _Optional[float] = ..., end: _Optional[float] = ..., clearance: _Optional[float] = ..., depth_limit: _Optional[float] = ..., error: _Optional[float] = ...) -> None: ...
 
 class Window(_message.Message):
     __slots__ = ("timestamp", "body", "start", "end", "box_min", "box_max")

@@ -29,6 +29,7 @@ from ...scheduler.events import (
     Window,
 )
 from ...scheduler.scene import Scene, Settings
+from .bracket import DistanceRange, Least
 
 # From worst to best; a pair's verdict is the worst of its spans'.
 SEVERITY = (Verdict.CONTACT, Verdict.BREACH, Verdict.UNRESOLVED, Verdict.POSSIBLE, Verdict.CLEAR)
@@ -37,14 +38,6 @@ _RANKS = {verdict: rank for rank, verdict in enumerate(SEVERITY)}
 # What answers a wakeup, from coarse to exact.
 LEVELS = (Level.SPHERE, Level.HULL, Level.MESH)
 _LEVEL_RANKS = {level: rank for rank, level in enumerate(LEVELS)}
-
-
-class DistanceRange(TypedDict):
-    """A pair's least distance over the run, m: certified not below `lower`; `upper` measured at `time`, s."""
-
-    lower: float
-    upper: float | None
-    time: float | None
 
 
 class Contact(TypedDict):
@@ -62,8 +55,9 @@ class PairSummary(TypedDict):
     """What the run found of one pair.
 
     `margin`, m, is what the verdict was measured against. `queries` counts wakeups by the level that answered them.
-    Round bodies are measured as polyhedra that enclose them:
-    `chord_error`, m, is how much farther apart the bodies themselves may be; `upper` includes it.
+    `error`, m, is by how much distances measured between the two may be wrong; it is off `lower` already.
+    Round bodies are measured as polyhedra that enclose them: `chord_error`, m, is how much farther apart the bodies
+    themselves are at most. `lower` is that of the polyhedra, `upper` of the bodies.
     """
 
     pair: str
@@ -72,6 +66,7 @@ class PairSummary(TypedDict):
     verdict: str
     margin: float
     distance: DistanceRange
+    error: float
     chord_error: float
     contacts: list[Contact]
     breaches: list[list[float]]
@@ -114,28 +109,34 @@ class _PairFindings:
     lower: float = inf
     upper: float = inf
     upper_time: float = inf
+    measured: float = inf
+    error: float = 0.0
     queries: list[int] = field(default_factory=lambda: [0] * len(LEVELS))
 
-    def add_distance(self, distance: float, time: float) -> None:
-        if distance < self.upper or (distance == self.upper and time < self.upper_time):  # no for NaN
-            self.upper, self.upper_time = distance, time
+    def add_distance(self, distance: float, excess: float, time: float) -> None:
+        upper = distance + excess
+        if upper < self.upper or (upper == self.upper and time < self.upper_time):  # no for NaN
+            self.upper, self.upper_time = upper, time
+        self.measured = min(self.measured, distance)  # nor here
 
-    def add_span(self, verdict: Verdict, clearance: float) -> None:
+    def add_span(self, verdict: Verdict, clearance: float, error: float) -> None:
         self.rank = min(self.rank, _RANKS[verdict])
         certified = verdict is not Verdict.CONTACT and clearance > 0  # no for NaN
         self.lower = min(self.lower, clearance if certified else 0.0)
+        self.error = max(self.error, error if isfinite(error) else 0.0)
 
     def verdict(self) -> str:
         """Return the worst verdict; nothing is proved of a pair without spans."""
         verdict = SEVERITY[self.rank] if self.rank < len(SEVERITY) else Verdict.UNRESOLVED
         return verdict.name.lower()
 
-    def distance(self, chord_error: float) -> DistanceRange:
-        """Return the least distance; 0, which errs low, is the bound where no span gives a better."""
+    def distance(self, share: float | None, verdicts: frozenset[str]) -> DistanceRange:
+        """Return the least distance; 0, which errs low, is the bound where no span gives a better.
+
+        `share` is how near to each other its ends were to be, None where it was not sought.
+        """
         lower = self.lower if isfinite(self.lower) else 0.0
-        if not isfinite(self.upper):
-            return {"lower": lower, "upper": None, "time": None}
-        return {"lower": lower, "upper": self.upper + chord_error, "time": self.upper_time}
+        return Least(lower, self.upper, self.upper_time, self.measured, self.error).range(share, verdicts)
 
 
 @dataclass(slots=True)
@@ -229,11 +230,11 @@ class SummaryBuilder:
             case Wakeup():
                 self.add_wakeup(event.pair, event.level)
             case Distance():
-                self.add_distance(event.pair, event.distance, event.time)
+                self.add_distance(event.pair, event.distance, event.excess, event.time)
             case Collision():
                 self.add_collision(event.pair, event.phase, event.time_clear, event.time_touching)
             case Span():
-                self.add_span(event.pair, event.verdict, event.start, event.end, event.clearance)
+                self.add_span(event.pair, event.verdict, event.start, event.end, event.clearance, event.error)
             case Window() | Snapshot():
                 pass
 
@@ -241,18 +242,20 @@ class SummaryBuilder:
         """Count a wakeup by what answered it."""
         self._findings_of(pair).queries[_LEVEL_RANKS[level]] += 1
 
-    def add_distance(self, pair: PairKey, distance: float, time: float) -> None:
-        """Fold an exact distance, m, taken at a time, s."""
-        self._findings_of(pair).add_distance(distance, time)
+    def add_distance(self, pair: PairKey, distance: float, excess: float, time: float) -> None:
+        """Fold an exact distance, m, taken at a time, s; round bodies may be farther apart by the excess, m."""
+        self._findings_of(pair).add_distance(distance, excess, time)
 
     def add_collision(self, pair: PairKey, phase: Phase, time_clear: float, time_touching: float) -> None:
         """Fold one end of a contact, bracketed in s."""
         self._findings_of(pair).rank = _RANKS[Verdict.CONTACT]
         self._brackets[pair.id].add(phase, time_clear, time_touching)
 
-    def add_span(self, pair: PairKey, verdict: Verdict, start: float, end: float, clearance: float) -> None:
-        """Fold what is proved from start to end, s, with the clearance, m, certified there."""
-        self._findings_of(pair).add_span(verdict, clearance)
+    def add_span(
+        self, pair: PairKey, verdict: Verdict, start: float, end: float, clearance: float, error: float = 0.0
+    ) -> None:
+        """Fold what is proved from start to end, s, with the clearance and the error of distances, m."""
+        self._findings_of(pair).add_span(verdict, clearance, error)
         if verdict in self._spans:
             self._spans[verdict][pair.id].append((start, end))
 
@@ -278,19 +281,21 @@ class SummaryBuilder:
     def _pair_summary(self, findings: _PairFindings) -> PairSummary:
         key = findings.key
         body_a, body_b = self._subject.name(key.a), self._subject.name(key.b)
-        chord_error = self._subject.chord_error(key.a) + self._subject.chord_error(key.b)
+        spans = {verdict: self._spans_of(key, verdict) for verdict in self._spans}
+        verdicts = frozenset(verdict.name.lower() for verdict, times in spans.items() if times)
         return {
             "pair": f"{body_a}|{body_b}",
             "body_a": body_a,
             "body_b": body_b,
             "verdict": findings.verdict(),
             "margin": self._subject.margin(key.a, key.b),
-            "distance": findings.distance(chord_error),
-            "chord_error": chord_error,
+            "distance": findings.distance(self._subject.settings.get("distance_tolerance"), verdicts),
+            "error": findings.error,
+            "chord_error": self._subject.chord_error(key.a) + self._subject.chord_error(key.b),
             "contacts": self._contacts(key),
-            "breaches": self._spans_of(key, Verdict.BREACH),
-            "unresolved": self._spans_of(key, Verdict.UNRESOLVED),
-            "possible": self._spans_of(key, Verdict.POSSIBLE),
+            "breaches": spans[Verdict.BREACH],
+            "unresolved": spans[Verdict.UNRESOLVED],
+            "possible": spans[Verdict.POSSIBLE],
             "wakeups": sum(findings.queries),
             "queries": {level.name.lower(): count for level, count in zip(LEVELS, findings.queries, strict=True)},
         }

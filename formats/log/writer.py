@@ -31,6 +31,7 @@ from .contents import (
     input_files,
     settings_json,
 )
+from .doubts import doubts
 from .errors import LogError
 from .facts import FactFiller
 from .identity import identity
@@ -291,6 +292,8 @@ class LogWriter:
 
     def _write_closing(self) -> None:
         summary = self._summary.summary()
+        for doubt in doubts(summary["pairs"]):
+            self.warn(doubt, self._loaded.scene.end)
         totals = summary["totals"]
         verdicts = ", ".join(f"{count} {verdict}" for verdict, count in totals["pairs"].items())
         self._tell(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from ..log.bracket import why_wide
 from ..log.escapes import html_text
 from ..log.found import Stretches
 from ..log.summary import PairSummary
@@ -188,6 +189,8 @@ def _worst_row(index: int, pair: PairSummary, lost: Stretches) -> Sequence[str]:
     time = when(pair)
     chord = pair["chord_error"]
     round_off = f". Round shapes are measured as polyhedra, up to {length(chord)} outside them" if chord else ""
+    if (why := why_wide(pair["distance"])) is not None:
+        round_off += f". Wide: {why}"
     sure = "yes" if is_proved(pair) and not lost else "no"
     return (
         pair_name(pair),

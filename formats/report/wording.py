@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from ..log.bracket import why_wide
 from ..log.escapes import html_text
 from ..log.found import Found, Stretches
 from ..log.ranking import badness
@@ -173,6 +174,8 @@ def _closest(found: Found, places: Mapping[str, int]) -> str:
     upper, time = distance["upper"] or 0.0, distance["time"] or 0.0
     never_nearer = f"proved never nearer than {at_least(distance['lower'])}"
     certain = never_nearer if distance["lower"] > 0.0 else "its least distance is not proved to be above 0"
+    if (why := why_wide(distance)) is not None:
+        certain += f": a wide bracket, because {why}"
     title = "Closest of the others" if others else "Closest"
     at = jump(places.get(best["pair"]), time)
     sentence = f"{title}: {pair_name(best)}, measured {length(upper)} apart at {at} ({certain})."

@@ -12,6 +12,7 @@ from math import cos, pi, ulp
 
 import numpy as np
 
+from ...scheduler.round_solid import RoundSolid
 from ...scheduler.scene import FloatArray, IntArray, Mesh
 from .shapes import frozen_mesh
 
@@ -47,10 +48,12 @@ class RoundMesh:
         mesh: solid; it holds every point of the true shape, in floating point too.
         chord_error: m, no point of the mesh is farther than this from the true shape; an upper bound, at most 0.2% of
             the radius of a cylinder or a cone and 0.5% of an ellipsoid's largest half axis.
+        solid: the true shape.
     """
 
     mesh: Mesh
     chord_error: float
+    solid: RoundSolid
 
 
 @lru_cache(maxsize=1024)
@@ -70,7 +73,8 @@ def cylinder_mesh(radius: float, length: float) -> RoundMesh:
         np.column_stack((here + _FACETS, there + _FACETS, np.full(_FACETS, 2 * _FACETS + 1))),
     ))  # fmt: skip
     name = f"cylinder of radius {radius:g} m, length {length:g} m"
-    return RoundMesh(frozen_mesh(name, np.vstack((below, above, centres)), triangles, solid=True), radius * excess)
+    mesh = frozen_mesh(name, np.vstack((below, above, centres)), triangles, solid=True)
+    return RoundMesh(mesh, radius * excess, RoundSolid((radius, radius), length / 2))
 
 
 @lru_cache(maxsize=1024)
@@ -88,7 +92,8 @@ def cone_mesh(radius: float, length: float) -> RoundMesh:
         np.column_stack((here, there, np.full(_FACETS, _FACETS + 1))),
     ))  # fmt: skip
     name = f"cone of radius {radius:g} m, length {length:g} m"
-    return RoundMesh(frozen_mesh(name, np.vstack((base, ends)), triangles, solid=True), radius * excess)
+    mesh = frozen_mesh(name, np.vstack((base, ends)), triangles, solid=True)
+    return RoundMesh(mesh, radius * excess, RoundSolid((radius, 0.0), length / 2))
 
 
 @lru_cache(maxsize=1024)
@@ -102,7 +107,7 @@ def ellipsoid_mesh(a: float, b: float, c: float) -> RoundMesh:
     vertices, triangles, excess = _unit_ball()
     name = f"ellipsoid of half axes {a:g} x {b:g} x {c:g} m"
     mesh = frozen_mesh(name, vertices * (a, b, c), triangles, solid=True)
-    return RoundMesh(mesh, max(a, b, c) * excess)
+    return RoundMesh(mesh, max(a, b, c) * excess, RoundSolid(axes=(a, b, c)))
 
 
 @lru_cache(maxsize=1)

@@ -58,7 +58,7 @@ class ShapeReader:
                 return None if mesh is None else Shape(mesh, 0.0, pose)
             case Cylinder() | Cone() | Ellipsoid():
                 outside = self._circumscribed(part)
-                return Shape(outside.mesh, 0.0, pose, outside.chord_error)
+                return Shape(outside.mesh, 0.0, pose, outside.chord_error, outside.solid)
 
     def _circumscribed(self, part: Cylinder | Cone | Ellipsoid) -> RoundMesh:
         length = self._scale.length

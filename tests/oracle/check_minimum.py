@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from .check_world import SEARCH_LIMIT, TIGHTEST
 from .sampling import Samples
 from .truth import Pair, Truth
 
@@ -17,9 +16,6 @@ Values = dict[str, Any]
 
 NEAR = 1e-3
 """Of the scene's spread: pairs that come nearer without touching are counted apart."""
-
-DISTANCE_TOLERANCE = 0.01
-"""Of a least distance: the default width of its bracket, which scenes of pairs keep to."""
 
 
 def check_least(truth: Truth, pair: Pair, told: Values | None, samples: Samples) -> Iterable[str]:
@@ -47,7 +43,7 @@ class Tally:
         verdicts: pairs by their worst verdict; those that the broad phase alone cleared are "never met".
         near: pairs without a contact that came nearer than NEAR.
         brackets: least distances with both ends.
-        capped: those among them wider than promised, after as many wakeups as the search may take.
+        capped: those among them that the search gave up.
     """
 
     pairs: int = 0
@@ -66,12 +62,10 @@ class Tally:
             return
         least = float(samples.signed.min(initial=np.inf))
         self.near += 0.0 <= least < NEAR * truth.spread
-        lower, upper = told["distance"]["lower"], told["distance"]["upper"]
-        if upper is not None:
+        if told["distance"]["upper"] is not None:
             self.brackets += 1
             free = {span["verdict"] for span in spans} <= {"CLEAR", "BREACH"}
-            wide = upper - told["chord_error"] - lower > max(DISTANCE_TOLERANCE * upper, TIGHTEST)
-            self.capped += bool(free and wide and told["wakeups"] > SEARCH_LIMIT)
+            self.capped += bool(free and told["distance"]["why"] == "search")
 
     def __str__(self) -> str:
         """Return one line."""

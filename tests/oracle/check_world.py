@@ -16,11 +16,11 @@ Values = dict[str, Any]
 
 WORST_FIRST = ("CONTACT", "BREACH", "UNRESOLVED", "POSSIBLE", "CLEAR")
 
+SEARCHED = 500
+"""Wakeups of a pair whose least distance may be given up."""
+
 TIGHTEST = 2e-6
 """m: least distances are known no better than 1e-6 m, and than some errors of measurement."""
-
-SEARCH_LIMIT = 4_000
-"""Wakeups of a pair whose least distance may have been given up."""
 
 
 def summary_of(log: Log) -> Values | None:
@@ -76,13 +76,23 @@ def check_range(truth: Truth, pair: Pair, told: Values) -> Iterable[str]:
 
 
 def check_tightness(told: Values, share: float | None) -> Iterable[str]:
-    """A least distance that was measured is certified to a share of it, or 1e-6 m, on top of errors of measurement."""
-    lower, upper = told["distance"]["lower"], told["distance"]["upper"]
-    if share is None or upper is None or told["wakeups"] > SEARCH_LIMIT:
+    """A least distance is called tight where it is certified to a share or 1e-6 m, and it is, or has a good excuse."""
+    lower, upper, word, why = (told["distance"][key] for key in ("lower", "upper", "bracket", "why"))
+    if upper is None:
+        if word != "open":
+            yield f"summary: {told['pair']} has no upper end and is called {word}"
         return
-    measured = upper - told["chord_error"]
-    if measured - lower > max(share * measured, TIGHTEST):
-        yield f"summary: {told['pair']} is told to be {lower} to {upper} m apart at the least, which is not tight"
+    tight = upper - lower <= max((share or 0.0) * upper, 0.5 * TIGHTEST) * (1.0 + 1e-9)
+    if (word == "tight") != tight:
+        yield f"summary: {told['pair']} is told to be {lower} to {upper} m apart at the least, which is called {word}"
+    excuses = {
+        "search": told["wakeups"] > SEARCHED,
+        "not sought": share is None,
+        "polyhedra": told["chord_error"] > 0.0,
+        "error": 8.0 * told["error"] > 0.5 * TIGHTEST,
+    }
+    if not tight and not excuses.get(why, False):
+        yield f"summary: {told['pair']} is told to be {lower} to {upper} m apart at the least, for {why}"
 
 
 def check_world(truth: Truth, log: Log, effort: Effort, epoch: int, chords: Mapping[str, float]) -> Iterable[str]:

@@ -1,0 +1,106 @@
+"""The least distance of a pair as it is told: whether it is known as well as promised, and why not."""
+
+from __future__ import annotations
+
+from math import inf
+from typing import NamedTuple, TypedDict
+
+from ...scheduler.minimum import ERRORS, LEAST_TOLERANCE
+
+#: Why a least distance has no upper end, in words.
+OPEN = {
+    "far": "cleared from afar, never measured",
+    "unknown path": "the path of one of them is unknown",
+}
+
+#: Why a bracket is wider than promised, in words, and what would help.
+WIDE = {
+    "unresolved": ("it is unresolved whether they touch", "try a finer --time-resolution"),
+    "not sought": ("the run was not to look for it", "give --distance-tolerance a share"),
+    "error": ("distances between the two are no better known", "place them nearer to the frame that they share"),
+    "polyhedra": ("round shapes are measured as polyhedra around them", "use spheres and capsules, which are exact"),
+    "search": ("more measurements are needed than a pair may take", "run shorter times, or raise --distance-tolerance"),
+}
+
+_ROUNDING = 1.0 + 1e-9
+
+
+class DistanceRange(TypedDict):
+    """A pair's least distance over the run, m: certified not below `lower`; `upper` measured at `time`, s.
+
+    `bracket` is "tight" where the two are as near to each other as the run was asked for, else "wide"; "open" where
+    nothing was measured. `why` says why it is not tight, `help` what would help where it is wide.
+    """
+
+    lower: float
+    upper: float | None
+    time: float | None
+    bracket: str
+    why: str | None
+    help: str | None
+
+
+class Least(NamedTuple):
+    """What a run found of a pair's least distance, m.
+
+    Attributes:
+        lower: certified.
+        upper: of the bodies, at a time, s; inf where nothing was measured.
+        measured: the same of the polyhedra around their round shapes.
+        error: by which what was measured may be wrong.
+    """
+
+    lower: float
+    upper: float
+    time: float
+    measured: float
+    error: float
+
+    def range(self, share: float | None, verdicts: frozenset[str]) -> DistanceRange:
+        """Return it as it is told.
+
+        Args:
+            share: of the least distance, how far its ends were to lie apart at most, None where it was not sought.
+            verdicts: of the pair's spans.
+        """
+        known = self.upper < inf
+        allowed = max((share or 0.0) * self.upper, LEAST_TOLERANCE) * _ROUNDING
+        tight = known and self.upper - self.lower <= allowed
+        why: str | None = "unknown path" if "possible" in verdicts else "far"
+        if known:
+            why = None if tight else self._why(share, verdicts, allowed)
+        return {
+            "lower": self.lower,
+            "upper": self.upper if known else None,
+            "time": self.time if known else None,
+            "bracket": "tight" if tight else "wide" if known else "open",
+            "why": why,
+            "help": WIDE[why][1] if known and why is not None else None,
+        }
+
+    def _why(self, share: float | None, verdicts: frozenset[str], allowed: float) -> str:
+        """Return why the ends lie farther apart than allowed, m."""
+        if self.lower <= 0.0 and "unresolved" in verdicts:
+            return "unresolved"
+        if share is None:
+            return "not sought"
+        left = self.measured - self.lower
+        if allowed < left <= ERRORS * self.error * _ROUNDING:
+            return "error"
+        return "polyhedra" if left <= allowed else "search"
+
+
+def why_wide(distance: DistanceRange) -> str | None:
+    """Return why a least distance is known less well than promised, and what would help; None where it is not.
+
+    Summaries of older logs do not say.
+    """
+    if distance.get("bracket") != "wide":
+        return None
+    words, remedy = WIDE.get(distance["why"] or "", ("nobody knows why", "run it again"))
+    return f"{words}; {remedy}"
+
+
+def promised(share: float | None) -> str:
+    """Return how near to each other both ends are to be."""
+    return f"{LEAST_TOLERANCE:g} m" if share is None else f"{100.0 * share:g}% or {LEAST_TOLERANCE:g} m"

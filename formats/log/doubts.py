@@ -1,0 +1,26 @@
+"""What a run warns of once it is done: distances that are hardly known."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...scheduler.minimum import LEAST_TOLERANCE
+from .bracket import WIDE
+from .summary import PairSummary
+
+
+def doubts(pairs: Sequence[PairSummary]) -> tuple[str, ...]:
+    """Return a warning of pairs whose distances may be wrong by more than 1e-6 m, or by all that they are apart."""
+    doubted = [pair for pair in pairs if pair["error"] > LEAST_TOLERANCE or _hides_its_gap(pair)]
+    if not doubted:
+        return ()
+    worst = max(doubted, key=lambda pair: pair["error"])
+    more = f", those of {len(doubted) - 1} more by less" if len(doubted) > 1 else ""
+    name = worst["pair"].replace("|", " | ")
+    return (f"distances of {name} may be wrong by {worst['error']:.2g} m{more}; {WIDE['error'][1]}",)
+
+
+def _hides_its_gap(pair: PairSummary) -> bool:
+    """Tell whether a pair that was measured apart may touch for all that is known, by the error alone."""
+    upper = pair["distance"]["upper"]
+    return upper is not None and 0.0 < upper <= pair["error"]
