@@ -231,7 +231,7 @@ def test_what_trimesh_writes_is_read_as_it_was(
     assert surface.triangles.tolist() == ball.faces.tolist()
 
 
-def test_a_star_no_fan_fits_is_warned_of_and_one_of_many_corners_comes_to_an_end() -> None:
+def test_a_star_is_cut_ear_by_ear_unless_it_has_so_many_corners_that_it_would_not_end() -> None:
     for corners in (10, 4000):
         angles = np.arange(corners) * 2 * np.pi / corners
         radii = np.where(np.arange(corners) % 2, 0.2, 2.0)
@@ -243,7 +243,8 @@ def test_a_star_no_fan_fits_is_warned_of_and_one_of_many_corners_comes_to_an_end
             read_obj(re.sub("^", "v ", rows.rstrip(), flags=re.M).encode() + f"\nf {face_from_one(corners)}".encode()),
         ):
             assert len(surface.triangles) == corners - 2
-            assert surface.measured[0].text.startswith("holds 1 polygon that no fan of triangles fits")
+            told = [one.text.partition(",")[0] for one in surface.measured]
+            assert told == ["holds 1 polygon that no triangles fit"] * (corners > 1000)
 
 
 def face_from_one(corners: int) -> str:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...scheduler.scene import FloatArray, IntArray
+from .ears import ears
 from .errors import counted
 from .limits import FAN_TOLERANCE, FLAT_TOLERANCE
 from .surface import MeasuredWarning, MeshError, Surface
@@ -16,15 +17,22 @@ _MOST_STARTS = 256
 """Corners from which a fan is tried. A polygon of more that is hollow seldom has one, and a million would not end."""
 
 
+_MOST_EAR_TESTS = 300_000
+"""Squares of corners added up over the polygons of a file that are cut ear by ear: a few seconds' work."""
+
+CLIPPED = -1
+"""Stands for the hub of a polygon whose triangles are no fan."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Triangulation:
-    """Polygons as fans of triangles.
+    """Polygons as triangles.
 
     Attributes:
         triangles: (m, 3) indices of vertices, in the polygons' order.
-        hubs: (n,) the corner of each polygon from which its fan goes out, from 0.
-        heights: (n,) how far its corners lie off one plane at most, 0 where no fan fits.
-        excesses: (n,) how far its triangles may reach beyond it, an upper bound, 0 where a fan fits.
+        hubs: (n,) the corner of each polygon from which its fan goes out, from 0; CLIPPED where it is no fan.
+        heights: (n,) how far its corners lie off one plane at most.
+        excesses: (n,) how far its triangles may reach beyond it, an upper bound, 0 where they cover it and no more.
     """
 
     triangles: IntArray
@@ -36,7 +44,7 @@ class Triangulation:
 def polygon_surface(
     vertices: FloatArray, corners: IntArray, sizes: IntArray, warnings: Sequence[str], lines: Sequence[int] = ()
 ) -> Surface:
-    """Return the surface of polygons, with warnings of those that have no triangles of their own.
+    """Return the surface of polygons, with warnings of those that triangles do not tell all of.
 
     Args:
         vertices: (n, 3) finite.
@@ -47,22 +55,27 @@ def polygon_surface(
     """
     cut = triangulated(vertices, corners, sizes)
     flat = FLAT_TOLERANCE * np.abs(vertices[corners]).max()
-    folded, bent = cut.excesses > 0.0, cut.heights > flat
+    folded = cut.excesses > 0.0
+    bent = (cut.heights > flat) & ~folded
 
     def worst(lengths: FloatArray) -> str:
         index = int(np.argmax(lengths))
         face = f"the face in line {lines[index]}" if len(lines) else f"face {index + 1} of {len(sizes)}"
-        return f"{face}, cut from its corner {cut.hubs[index] + 1} of {sizes[index]}"
+        hub = "ear by ear" if cut.hubs[index] == CLIPPED else f"from its corner {cut.hubs[index] + 1} of {sizes[index]}"
+        return f"{face}, cut {hub}"
 
     measured = []
     if folded.any():
-        text = f"holds {counted(int(folded.sum()), 'polygon')} that no fan of triangles fits"
+        text = (
+            f"holds {counted(int(folded.sum()), 'polygon')} that no triangles fit, as where an outline crosses itself"
+        )
         beyond = "what is checked reaches beyond them by up to about {length}"
         measured.append(MeasuredWarning(f"{text}: {beyond} ({worst(cut.excesses)})", float(cut.excesses.max())))
     if bent.any():
+        heights = np.where(bent, cut.heights, 0.0)
         text = f"holds {counted(int(bent.sum()), 'polygon')} whose corners are not in one plane"
         off = "they lie up to about {length} off it, and other triangles than those taken would differ"
-        measured.append(MeasuredWarning(f"{text}: {off} ({worst(cut.heights)})", float(cut.heights.max())))
+        measured.append(MeasuredWarning(f"{text}: {off} ({worst(heights)})", float(heights.max())))
     return Surface(vertices, cut.triangles, tuple(warnings), measured=tuple(measured))
 
 
@@ -100,11 +113,11 @@ def first_stray(corners: IntArray, sizes: IntArray, count: int) -> tuple[int, in
 
 
 def triangulated(vertices: FloatArray, corners: IntArray, sizes: IntArray) -> Triangulation:
-    """Return polygons as fans of triangles, each from its first corner whose fan fits.
+    """Return polygons as triangles: the fan from the first corner whose fan fits, else those cut off ear by ear.
 
-    A fan fits when none of its triangles turns against the polygon, whose direction is the sum of theirs: then it
-    covers a flat polygon and nothing else. Where none fits, that of the first corner is taken. It covers every point
-    around which the outline goes, and more: the wrong way for contacts, the safe way for clearance.
+    Triangles fit when none of them turns against the polygon, whose direction is the sum of theirs: then they cover a
+    flat polygon and nothing else. Where none are found that fit, the fan of the first corner is taken. It covers every
+    point around which the outline goes, and more: the wrong way for contacts, the safe way for clearance.
 
     Args:
         vertices: (n, 3) finite.
@@ -122,6 +135,17 @@ def triangulated(vertices: FloatArray, corners: IntArray, sizes: IntArray) -> Tr
             cut = _fans(vertices, polygons)
         triangles[firsts[chosen][:, None] + np.arange(size - 2)] = cut.triangles
         hubs[chosen], heights[chosen], excesses[chosen] = cut.hubs, cut.heights, cut.excesses
+    tests_left = _MOST_EAR_TESTS
+    for index in np.flatnonzero(excesses > 0.0).tolist():
+        size = int(sizes[index])
+        tests_left -= size**2
+        if tests_left < 0:
+            break
+        polygon = corners[starts[index] : starts[index] + size]
+        clipped = ears(vertices[polygon], FAN_TOLERANCE)
+        if clipped is not None:
+            triangles[firsts[index] : firsts[index] + size - 2] = polygon[clipped]
+            hubs[index], excesses[index] = CLIPPED, 0.0
     return Triangulation(triangles, hubs, heights, excesses)
 
 
@@ -149,7 +173,6 @@ def _fans(vertices: FloatArray, polygons: IntArray) -> Triangulation:
     nothing = FAN_TOLERANCE * farthest**2  # the area of a mere line, which has no plane
     heights = np.where(np.sqrt(squares) > nothing, _heights(vertices, polygons, normals), 0.0)
     excesses = np.where(areas > nothing, 0.5 * farthest, 0.0)
-    heights[misfits] = 0.0
     excesses[np.setdiff1d(np.arange(count), misfits)] = 0.0
     return Triangulation(best, hubs, heights, excesses)
 
