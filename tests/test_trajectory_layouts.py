@@ -140,6 +140,25 @@ def test_random_matrices_come_back_as_the_rotations_they_were() -> None:
     np.testing.assert_allclose(got, turns.as_matrix(), rtol=0, atol=2e-15)
 
 
+@pytest.mark.parametrize(("decimals", "told"), [(7, False), (6, False), (4, True), (2, None)])
+def test_matrices_of_few_decimals_are_taken_warned_of_or_refused(
+    tmp_path: Path, decimals: int, told: bool | None
+) -> None:
+    turns = Rotation.from_rotvec(np.linspace(0.1, 1.0, 9)[:, None] * (0.3, -0.5, 0.7)).as_matrix()
+    rows = [" ".join(f"{value:.{decimals}f}" for value in np.column_stack((turn, (1, 2, 3))).ravel()) for turn in turns]
+    (tmp_path / "00.txt").write_text("\n".join(rows) + "\n")
+    text = f"{MOTION}{{type: file, file: 00.txt, layout: kitti, period: 0.2}}\n    shapes: [{{sphere: 1000}}]\n"
+    if told is None:
+        assert "expected a rotation, got a matrix that scales or shears" in fault(tmp_path, text)
+        return
+    loaded = load(tmp_path, text)
+    found = loaded.scene.bodies[0].motion
+    assert isinstance(found, Keyframes)
+    got = Rotation.from_quat(found.quaternions, scalar_first=True).as_matrix()
+    np.testing.assert_allclose(got, turns, rtol=0, atol=2 * 10.0**-decimals)
+    assert [("matrices" in line and line.count("00.txt") == 1) for line in loaded.warnings] == [True] * told
+
+
 def test_a_period_is_multiplied_as_the_decimal_that_it_is() -> None:
     found = kitti("1 0 0 1 0 1 0 2 0 0 1 3\n" * 1000, Decimal("0.1"))
     assert found.times.tolist() == [float(Fraction(number, 10)) for number in range(1000)]
