@@ -21,6 +21,8 @@ from .winding import winding_numbers
 MOST_SEARCHED = 300_000
 #: So many of the places where a skin meets itself are looked at, from all over it.
 MOST_PLACES = 300
+#: So many pairs of triangles whose boxes meet are looked at.
+MOST_PAIRS = 20_000_000
 #: So many corners of a skin, from all over it, tell whether it lies inside another.
 MOST_CORNERS = 64
 #: How far from such a place, in lengths of the smaller triangle, what lies around it is looked at.
@@ -127,7 +129,7 @@ class _Rule:
         self._points = points
         self._skins = skins
         self._surroundings: dict[int, Surroundings] = {}
-        self._self_meetings: dict[int, list[tuple[int, int]]] = {}
+        self._self_meetings: dict[int, IntArray] = {}
         self._meetings: dict[tuple[int, int], tuple[int, int]] = {}
         self._doubts: list[Doubt] = []
 
@@ -137,7 +139,7 @@ class _Rule:
         searched = sum(len(skin.triangles) for skin in skins) <= MOST_SEARCHED
         opposed = {1, -1} <= {skin.winding for skin in skins}
         if searched or opposed:
-            self._find_meetings()
+            searched &= self._find_meetings(opposed)
         crossed = [self._crossed(index) if searched else None for index in range(len(skins))]
         solid = self._hosts()
         self._check_opposed(set(solid))
@@ -156,8 +158,11 @@ class _Rule:
             self._surroundings[skin] = Surroundings(self._points[self._skins[skin].triangles])
         return self._surroundings[skin]
 
-    def _find_meetings(self) -> None:
-        """Find where skins meet themselves, and where those wound opposite ways meet each other."""
+    def _find_meetings(self, opposed: bool) -> bool:
+        """Find where skins meet themselves, and where those wound opposite ways meet each other.
+
+        Return whether all places are found: of too many triangles across each other none are, unless `opposed`.
+        """
         skins = self._skins
         triangles = np.concatenate([skin.triangles for skin in skins])
         sources = np.concatenate([skin.sources for skin in skins])
@@ -165,28 +170,45 @@ class _Rule:
         windings = np.array([skin.winding for skin in skins])
         corners = self._points[triangles]
         stars = embedded_stars(corners, owners[:, None] * len(self._points) + triangles)
+        self._triangles, self._sources = triangles, sources
+        looked, found = 0, [np.empty((0, 2), dtype=np.int64)]
         for i, j in near_each_other(corners):
+            looked += len(i)
+            if looked > MOST_PAIRS:
+                if opposed:
+                    self._refuse_tangle(i, j)
+                return False
             same = owners[i] == owners[j]
             taken = same | (windings[owners[i]] * windings[owners[j]] < 0)
             i, j, same = i[taken], j[taken], same[taken]
-            mine = np.where(same[:, None], stars[i], False)
-            meet = meet_again(self._points, triangles[i], triangles[j], mine)
+            meet = meet_again(self._points, triangles[i], triangles[j], same[:, None] & stars[i])
             meet |= ~same & (triangles[i][:, :, None] == triangles[j][:, None, :]).any(axis=(1, 2))
-            for one, other in zip(i[meet].tolist(), j[meet].tolist(), strict=True):
-                if owners[one] == owners[other]:
-                    self._self_meetings.setdefault(int(owners[one]), []).append((one, other))
-                else:
-                    larger, smaller = sorted((int(owners[one]), int(owners[other])))
-                    self._meetings.setdefault((larger, smaller), (int(sources[one]), int(sources[other])))
-        self._triangles, self._sources = triangles, sources
+            found.append(np.column_stack((i, j))[meet])
+        pairs = np.concatenate(found)
+        pairs = pairs[np.lexsort(pairs.T[::-1])]
+        low, high = np.sort(owners[pairs], axis=1).T
+        alone, first = np.unique(low * len(skins) + high, return_index=True)
+        for key, place in zip(alone.tolist(), first.tolist(), strict=True):
+            one, other = divmod(key, len(skins))
+            if one == other:
+                self._self_meetings[one] = pairs[(low == one) & (high == one)]
+            else:
+                self._meetings[one, other] = (int(sources[pairs[place, 0]]), int(sources[pairs[place, 1]]))
+        return True
+
+    def _refuse_tangle(self, i: IntArray, j: IntArray) -> None:
+        raise UndecidedError(
+            "has parts wound opposite ways, and too many triangles across each other to tell cavities by",
+            (int(self._sources[i[0]]), int(self._sources[j[0]])),
+            "make files of its parts, or let all be wound alike",
+        )
 
     def _crossed(self, index: int) -> bool:
         """Tell whether a skin crosses itself, and refuse one that encloses a space that its winding leaves open."""
-        meetings = sorted(self._self_meetings.get(index, ()))
-        if not meetings:
+        if index not in self._self_meetings:
             return False
-        some = np.unique(np.linspace(0, len(meetings) - 1, MOST_PLACES).astype(np.int64))
-        pairs = np.array(meetings)[some]
+        meetings = self._self_meetings[index]
+        pairs = meetings[np.unique(np.linspace(0, len(meetings) - 1, MOST_PLACES).astype(np.int64))]
         samples = self._samples(pairs)
         around = self._around(index)
         windings = around.windings(samples.reshape(-1, 3)).reshape(len(pairs), -1)
@@ -194,7 +216,7 @@ class _Rule:
         if len(both):
             self._refuse_crossing(pairs[both[0]], "spaces that it winds around both ways")
         if not (windings > 1.0).any():
-            return False  # it touches itself, as if it did not
+            return len(pairs) < len(meetings)  # where it only touches itself it is as if it did not
         place, which = np.nonzero(windings == 0.0)
         closed = place[~around.open(samples[place, which])]
         if len(closed):

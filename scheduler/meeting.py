@@ -147,11 +147,19 @@ def embedded_stars(corners: FloatArray, vertices: IntArray) -> BoolArray:
     return found
 
 
-def meets_itself(vertices: FloatArray, triangles: IntArray) -> bool:
-    """Tell whether a skin of triangles (m, 3) over vertices (n, 3) m may touch or cross itself."""
+def meets_itself(vertices: FloatArray, triangles: IntArray, most: int) -> bool:
+    """Tell whether a skin of triangles (m, 3) over vertices (n, 3) m may touch or cross itself.
+
+    It may, for all that is known, where the boxes of more than `most` pairs of triangles meet.
+    """
     corners = vertices[triangles]
     stars = embedded_stars(corners, triangles)
-    return any(meet_again(vertices, triangles[i], triangles[j], stars[i]).any() for i, j in near_each_other(corners))
+    looked = 0
+    for i, j in near_each_other(corners):
+        looked += len(i)
+        if looked > most or meet_again(vertices, triangles[i], triangles[j], stars[i]).any():
+            return True
+    return False
 
 
 def meet_again(vertices: FloatArray, one: IntArray, other: IntArray, stars: BoolArray) -> BoolArray:

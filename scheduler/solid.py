@@ -14,6 +14,9 @@ from .rotation import FloatArray
 from .scene import Mesh, Solid
 from .winding import winding_numbers
 
+#: So many pairs of triangles whose boxes meet are looked at to tell whether a skin meets itself.
+MOST_PAIRS = 100_000_000
+
 
 def component_points(mesh: Mesh) -> FloatArray:
     """Return one vertex of each connected part of the mesh's surface, (k, 3) m.
@@ -83,7 +86,7 @@ class _Part:
         if self._surroundings.open(point[None])[0]:
             return True
         if self._crossed is None:
-            self._crossed = meets_itself(self._vertices, self._solid.skin)
+            self._crossed = meets_itself(self._vertices, self._solid.skin, MOST_PAIRS)
         return not self._crossed
 
 
