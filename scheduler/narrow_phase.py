@@ -13,9 +13,10 @@ from typing import TypeVar
 
 import numpy as np
 
+from .cores import Cores
 from .events import Feature
 from .nearby import NOTHING, NearTriangles, near_pairs
-from .placed import Cores, Model, PlacedShape, cores_between, distance_from_point, meeting_triangles
+from .placed import Model, PlacedShape, cores_between, distance_from_point, meeting_triangles
 from .proximity import Proximity
 from .rotation import FloatArray, mapped, translation_of
 from .scene import Body, Mesh, Shape
@@ -59,7 +60,7 @@ class NarrowPhase:
     def is_ball(self, body: int) -> bool:
         """Tell whether a body is a single ball."""
         parts = self._bodies[body]
-        return len(parts) == 1 and len(parts[0].model.mesh.vertices) == 1
+        return len(parts) == 1 and parts[0].is_point
 
     def nearest(self, a: int, b: int, pose_a: FloatArray, pose_b: FloatArray) -> Proximity:
         """Return how near the surfaces of the bodies a and b are, placed by poses (4x4) of one common frame."""

@@ -23,17 +23,21 @@ GROUP = 8
 #: Relative loss granted to the arithmetic of what is near.
 ROUNDING = 1e-9
 
+Rows = tuple[NDArray[np.intp], NDArray[np.intp]]
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Triangles:
     """A mesh's triangles in one frame, m, neighbours next to each other.
 
     Attributes:
+        order: (m,), each one's index in the mesh.
         corners: (m, 3, 3).
         boxes: (2, m, 3), the low and the high corner around each.
         low, high: (groups, 3), around every `GROUP` of them in turn.
     """
 
+    order: NDArray[np.intp]
     corners: FloatArray
     boxes: FloatArray
     low: FloatArray
@@ -42,11 +46,20 @@ class Triangles:
     @staticmethod
     def of(corners: FloatArray) -> Triangles:
         """Return the triangles with these corners."""
-        ordered = corners[_neighbours_together(corners.mean(axis=1))]
+        order = _neighbours_together(corners.mean(axis=1))
+        ordered = corners[order]
         starts = np.arange(0, len(ordered), GROUP)
         boxes = np.stack((ordered.min(axis=1), ordered.max(axis=1)))
         low, high = np.minimum.reduceat(boxes[0], starts), np.maximum.reduceat(boxes[1], starts)
-        return Triangles(ordered, boxes, low, high)
+        return Triangles(order, ordered, boxes, low, high)
+
+    def halves(self) -> tuple[Triangles, Triangles]:
+        """Return the first half of the groups, and the others; there must be two."""
+        group = len(self.low) // 2
+        row = group * GROUP
+        first = self.order[:row], self.corners[:row], self.boxes[:, :row], self.low[:group], self.high[:group]
+        second = self.order[row:], self.corners[row:], self.boxes[:, row:], self.low[group:], self.high[group:]
+        return Triangles(*first), Triangles(*second)
 
     def members(self, groups: NDArray[np.intp]) -> NDArray[np.intp]:
         """Return the rows (k, GROUP) of groups (k,); the last group's are filled up with its last."""
@@ -77,14 +90,32 @@ def near_pairs(
 ) -> tuple[FloatArray, FloatArray] | None:
     """Return the corners (k, 3, 3), (k, 3, 3) of the triangle pairs that may be within `reach`, in the poses' frame.
 
-    Every pair that is left out is farther apart than `reach`. None where there are too many. Boxes stand along the axes
-    of `one`'s frame: long triangles often run along an axis.
+    Every pair that is left out is farther apart than `reach`. None where there are too many.
 
     Args:
         one, other: the triangles, each in its own frame.
         pose_one, pose_other: 4x4, common frame from own.
         reach: m, >= 0; what placing the corners may be wrong by is for the caller to add.
         some: whether some of them will do where there are too many; those from all over the bodies are taken.
+    """
+    rows = near_rows(one, other, pose_one, pose_other, reach, some)
+    return None if rows is None else placed_rows(one, other, pose_one, pose_other, rows)
+
+
+def placed_rows(
+    one: Triangles, other: Triangles, pose_one: FloatArray, pose_other: FloatArray, rows: Rows
+) -> tuple[FloatArray, FloatArray]:
+    """Return the corners (k, 3, 3), (k, 3, 3) of pairs of triangles, in the poses' frame."""
+    found = one.corners[rows[0]] @ pose_one[:3, :3].T + pose_one[:3, 3]
+    return found, other.corners[rows[1]] @ pose_other[:3, :3].T + pose_other[:3, 3]
+
+
+def near_rows(
+    one: Triangles, other: Triangles, pose_one: FloatArray, pose_other: FloatArray, reach: float, some: bool = False
+) -> Rows | None:
+    """Return the rows (k,), (k,) of the pairs that `near_pairs` returns.
+
+    Boxes stand along the axes of `one`'s frame: long triangles often run along an axis.
     """
     relative = pose_one[:3, :3].T @ pose_other[:3, :3]
     shift = pose_one[:3, :3].T @ (pose_other[:3, 3] - pose_one[:3, 3])
@@ -113,9 +144,7 @@ def near_pairs(
     if taken is None:
         return None
     rows = rows[taken]
-    first_rows, second_rows = ours[k[rows], m[rows]], theirs[k[rows], n[rows]]
-    found = one.corners[first_rows] @ pose_one[:3, :3].T + pose_one[:3, 3]
-    return found, other.corners[second_rows] @ pose_other[:3, :3].T + pose_other[:3, 3]
+    return ours[k[rows], m[rows]], theirs[k[rows], n[rows]]
 
 
 def _taken(count: int, most: int, some: bool) -> NDArray[np.intp] | None:
@@ -167,9 +196,7 @@ def _first_of_each(groups: NDArray[np.intp], count: int) -> NDArray[np.bool_]:
     return there
 
 
-def _groups_near(
-    low: FloatArray, high: FloatArray, lows: FloatArray, highs: FloatArray, reach: float
-) -> tuple[NDArray[np.intp], NDArray[np.intp]] | None:
+def _groups_near(low: FloatArray, high: FloatArray, lows: FloatArray, highs: FloatArray, reach: float) -> Rows | None:
     """Return the pairs of indices of the boxes (n, 3) and (m, 3) that come within `reach`, None where far too many."""
     theirs = _near_box(lows, highs, low, high, reach)
     ours = _near_box(low, high, lows[theirs], highs[theirs], reach)
@@ -203,9 +230,7 @@ def _near_box(low: FloatArray, high: FloatArray, lows: FloatArray, highs: FloatA
     return np.flatnonzero(_within(low, high, lows.min(axis=0), highs.max(axis=0), reach))
 
 
-def _near_each_other(
-    low: FloatArray, high: FloatArray, lows: FloatArray, highs: FloatArray, reach: float
-) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+def _near_each_other(low: FloatArray, high: FloatArray, lows: FloatArray, highs: FloatArray, reach: float) -> Rows:
     """Return the pairs of indices of the boxes (n, 3) and (m, 3) that come within `reach` of each other."""
     axis = int(np.argmax(np.ptp(low, axis=0))) if len(low) else 0
     after = lows[:, axis] <= high[:, axis, None] + reach
