@@ -34,7 +34,7 @@ from ..scheduler.streams import merged, observer_of
 from ..scheduler.windows import Sweeps
 from .faults import raise_interrupts
 from .options import RunOptions
-from .progress import shares_shown, shown
+from .progress import HERE, TOLD, shares_shown, shown
 from .rate import snapshot_rate, thinned
 from .sharing import Camera, told_by_workers
 
@@ -81,12 +81,13 @@ def run_job(scene_path: Path, output: Path, options: RunOptions) -> Result:
     raise_interrupts()
     writing = 0.0
     with LogWriter(output, loaded, settings, total, _log_options(options)) as log:
-        if options.jobs == 1 and options.cluster is None:
+        alone = options.jobs == 1 and options.cluster is None
+        if alone:
             events, fcl = _run_here(work, options)
         else:
             events, fcl = _run_by_workers(work, total, scene_path.name, options)
         if not options.quiet:
-            events = shown(events, loaded.scene.start, loaded.scene.end, scene_path.name)
+            events = shown(events, loaded.scene.start, loaded.scene.end, scene_path.name, HERE if alone else TOLD)
         with closing(events):
             for event in events:
                 wrote = perf_counter()

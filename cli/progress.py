@@ -1,65 +1,195 @@
-"""A progress bar on a terminal: simulated time, wakeups, contacts, time left. Nothing in a pipe."""
+"""What a run is doing, on a terminal: the step, how far it is, and the time left of it. Nothing in a pipe."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import contextmanager
-from typing import TypeVar
+from math import ceil, inf
+from time import monotonic
+from typing import NamedTuple, TypeVar
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, Progress, TextColumn
+from rich.table import Column
 
+from ..formats.log.viewer.pictures import Picture
 from ..formats.scene.errors import printable
-from ..scheduler.events import Collision, Phase, Wakeup
+from ..scheduler.events import Bound, Collision, Phase, Reason, Snapshot, Span, Wakeup
 
 ToldT = TypeVar("ToldT")
 
-#: Wakeups between two looks at the clock: the bar costs nothing measurable.
-WAKEUPS_PER_UPDATE = 256
+#: s, at least, between two looks at how far it is: the bar costs nothing measurable.
+BETWEEN_UPDATES = 0.1
+#: A time left is told once so many seconds, and so large a share, of a step are done.
+LEAST_SECONDS, LEAST_SHARE = 1.0, 0.02
+#: On a terminal of fewer columns than this the bar, the scene's name and the counts are left out.
+NARROW = 60
+#: Characters of a scene's name that are shown.
+NAME = 20
 
 
-def shown(events: Iterable[ToldT], start: float, end: float, title: str) -> Generator[ToldT, None, None]:
-    """Yield the events while a bar on stderr, if that is a terminal, shows how far they have come."""
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield from events
-        return
-    columns = (
-        TextColumn("{task.description}", markup=False),
-        BarColumn(bar_width=None),
-        TextColumn("{task.fields[now]:.3f} of {task.fields[end]:g} s"),
-        TextColumn("{task.fields[wakeups]} wakeups, {task.fields[contacts]} contacts"),
-        TimeRemainingColumn(compact=True),
-    )
-    wakeups = contacts = 0
-    latest = start
-    with Progress(*columns, console=console, transient=True) as bar:
-        task = bar.add_task(printable(title), total=end - start, now=start, end=end, wakeups=0, contacts=0)
-        for event in events:
-            yield event
-            if isinstance(event, Collision):
-                contacts += event.phase is Phase.BEGIN
-            elif isinstance(event, Wakeup):
-                wakeups += 1
-                latest = max(latest, event.time)
-                if wakeups % WAKEUPS_PER_UPDATE == 0:
-                    bar.update(task, completed=latest - start, now=latest, wakeups=wakeups, contacts=contacts)
+class TimeLeft:
+    """The time left of a step, as what is done of it and how long that took tell; it never rises."""
+
+    def __init__(self, now: float) -> None:
+        """Begin at `now`, s."""
+        self._began = now
+        self._least = inf
+
+    def told(self, now: float, share: float) -> str:
+        """Return the time left, in words, once a share of the step is done; nothing while too little is."""
+        spent = now - self._began
+        if spent >= LEAST_SECONDS and LEAST_SHARE <= share <= 1.0:
+            self._least = min(self._least, spent * (1.0 - share) / share)
+        if self._least == inf:
+            return ""
+        minutes, seconds = divmod(max(1, ceil(self._least)), 60)
+        hours, minutes = divmod(minutes, 60)
+        return f"{hours}:{minutes:02}:{seconds:02} left" if hours else f"{minutes}:{seconds:02} left"
+
+
+class Names(NamedTuple):
+    """What the steps of a run are called."""
+
+    certifying: str
+    seeking: str
+    picturing: str
+
+
+HERE = Names("certifying", "seeking least distances", "taking pictures")
+"""Of a run in this process."""
+TOLD = Names("writing wakeups", "writing least distances", "writing pictures")
+"""Of what workers told of it."""
+
+
+class Steps:
+    """The steps of a run, as its events tell them.
+
+    All pairs are certified up to the end; then those that are left are searched for their least distances; then the
+    pictures that are left are taken.
+
+    Attributes:
+        step: what is being done.
+        share: how much of that is done, 0 to 1.
+    """
+
+    def __init__(self, start: float, end: float, names: Names) -> None:
+        """Take the run's time (s), and what its steps are called."""
+        self._start, self._end, self._names = start, end, names
+        self.step, self.share = names.certifying, 0.0
+        self._latest = start
+        self._wakeups = self._contacts = 0
+        self._open: set[int] = set()  # pairs that woke, and whose last span is not told
+        self._searched = 0  # how many of them there were when the first was decided up to the end
+
+    @property
+    def counts(self) -> str:
+        """What has been counted of the step, in words."""
+        if self.step == self._names.seeking:
+            return f"{self._searched - len(self._open)} of {self._searched} pairs"
+        counts = f"{self._latest:.3f} of {self._end:g} s"
+        if self.step == self._names.certifying:
+            counts += f", {self._wakeups} wakeups" + (f", {self._contacts} contacts" if self._contacts else "")
+        return counts
+
+    def tell(self, event: object) -> None:
+        """Take in the next event of the run."""
+        if isinstance(event, Wakeup):
+            self._wakeups += 1
+            if event.reason is not Reason.MINIMUM:
+                self._certified(event)
+        elif isinstance(event, Span):
+            if event.end >= self._end:
+                self._open.discard(event.pair.id)
+            if self._searched:
+                self.share = 1.0 - len(self._open) / self._searched
+        elif isinstance(event, Collision):
+            self._contacts += event.phase is Phase.BEGIN
+        elif isinstance(event, Snapshot | Picture) and self._searched and not self._open:
+            self.step, self._latest = self._names.picturing, event.time
+            self.share = self._way(event.time)
+
+    def _certified(self, event: Wakeup) -> None:
+        """Take in a wakeup that is no search's; without a sleep after it, the pair is decided up to its end."""
+        decided = event.bound is Bound.NONE
+        if decided and event.time < self._end:
+            self._open.discard(event.pair.id)
+        else:
+            self._open.add(event.pair.id)
+        if decided and event.time >= self._end and not self._searched:
+            self.step, self.share, self._searched = self._names.seeking, 0.0, len(self._open)
+        if not self._searched:
+            self._latest = max(self._latest, event.time)
+            self.share = self._way(self._latest)
+
+    def _way(self, time: float) -> float:
+        """Return what share of the run's time has passed at a time, s."""
+        return (time - self._start) / (self._end - self._start)
+
+
+class _Bar:
+    """A line on stderr: what is done, a bar, counts, and the time left of the step."""
+
+    def __init__(self, bar: Progress, title: str) -> None:
+        self._bar = bar
+        self._task = bar.add_task(printable(title), total=1.0, step="", counts="", left="")
+        self._step = ""
+        self._left = TimeLeft(monotonic())
+
+    def show(self, step: str, share: float, counts: str) -> None:
+        """Show how much of a step is done."""
+        now = monotonic()
+        if step != self._step:
+            self._step, self._left = step, TimeLeft(now)
+        left = self._left.told(now, share)
+        self._bar.update(self._task, completed=share, step=step, counts=counts, left=left)
 
 
 @contextmanager
-def shares_shown(title: str, quiet: bool) -> Iterator[Callable[[int, int], None]]:
-    """Lend a function that is told how many shares of how many are done; a bar shows it, likewise on a terminal."""
+def _bar(title: str) -> Iterator[_Bar | None]:
+    """Lend a bar on stderr, None where that is no terminal."""
     console = Console(stderr=True)
-    if quiet or not console.is_terminal:
-        yield lambda done, of: None
+    if not console.is_terminal:
+        yield None
         return
-    columns = (
-        TextColumn("{task.description}", markup=False),
-        BarColumn(bar_width=None),
-        MofNCompleteColumn(),
-        TextColumn("shares of the pairs"),
-        TimeRemainingColumn(compact=True),
-    )
+    step, left = TextColumn("{task.fields[step]}"), TextColumn("{task.fields[left]}")
+    share = TextColumn("{task.percentage:>3.0f}%")
+    name = TextColumn("{task.description}", markup=False, table_column=Column(no_wrap=True, max_width=NAME))
+    counts = TextColumn("{task.fields[counts]}")
+    wide = (name, step, BarColumn(bar_width=None), share, counts, left)
+    columns = wide if console.width >= NARROW else (step, share, left)
     with Progress(*columns, console=console, transient=True) as bar:
-        task = bar.add_task(printable(title), total=None)
-        yield lambda done, of: bar.update(task, completed=done, total=of)
+        yield _Bar(bar, title)
+
+
+def shown(events: Iterable[ToldT], start: float, end: float, title: str, names: Names) -> Generator[ToldT, None, None]:
+    """Yield the events while a bar shows what is done, and how far that is.
+
+    Args:
+        events: of the run from `start` to `end` (s), with its snapshots or pictures.
+        start, end: s.
+        title: the scene's name.
+        names: what its steps are called.
+    """
+    with _bar(title) as bar:
+        if bar is None:
+            yield from events
+            return
+        steps, due = Steps(start, end, names), 0.0
+        bar.show(steps.step, steps.share, steps.counts)
+        for event in events:
+            yield event
+            steps.tell(event)
+            if monotonic() >= due:
+                bar.show(steps.step, steps.share, steps.counts)
+                due = monotonic() + BETWEEN_UPDATES
+
+
+@contextmanager
+def shares_shown(title: str, quiet: bool) -> Iterator[Callable[[str, int, int], None]]:
+    """Lend a function that is told of what how many parts of how many are done; a bar shows it, likewise."""
+    if quiet:
+        yield lambda step, done, of: None
+        return
+    with _bar(title) as bar:
+        yield lambda step, done, of: bar.show(step, done / of, f"{done} of {of} shares") if bar is not None else None

@@ -49,7 +49,7 @@ def told_by_workers(
     jobs: int,
     cluster: str | None,
     camera: Camera | None,
-    done: Callable[[int, int], None],
+    done: Callable[[str, int, int], None],
 ) -> Told:
     """Have all shares run, and then the pictures taken; return what is told.
 
@@ -59,7 +59,7 @@ def told_by_workers(
         jobs: how many processes of this machine run them, unless there is a cluster.
         cluster: address of its scheduler.
         camera: None for no pictures.
-        done: is told how many calls of how many are done.
+        done: is told of each step how many calls of how many are done.
 
     Raises:
         WorkerError: when workers cannot be had, or are lost; and what a share raises, as it would here.
@@ -72,21 +72,23 @@ def told_by_workers(
             ticks = team.sent(packed_ticks(work, parts))
         shares = max(team.size, min((SHARES_OF_A_CROWD if work.crowded else SHARES_A_WORKER) * team.size, MANY_SHARES))
         shares = max(1, min(shares, pairs))
-        done(0, shares)
+        done("certifying", 0, shares)
         streams: list[Stream] = []
         kept = []
         for told in team.results(stream, [(sent, share, ticks) for share in shares_of(shares)]):
             kept.append(_kept(told.turns))
             streams.append(told._replace(turns=b""))
-            done(len(kept), shares)
+            done("certifying", len(kept), shares)
         fcl = sum(told.fcl for told in streams)
         if camera is None:
             return Told(kept, Taken(iter(()), iter(())), fcl)
-        seen, taking = _pictures(team, sent, camera, streams)
+        seen, taking = _pictures(team, sent, camera, streams, done)
         return Told(kept, seen, fcl + taking)
 
 
-def _pictures(team: Team, sent: Any, camera: Camera, streams: Iterable[Stream]) -> tuple[Taken[Picture], float]:
+def _pictures(
+    team: Team, sent: Any, camera: Camera, streams: Iterable[Stream], done: Callable[[str, int, int], None]
+) -> tuple[Taken[Picture], float]:
     """Have the pictures taken, in rows of neighbours; return them, and the seconds it took inside FCL."""
     kinds = [_rows(kind, ROWS_A_WORKER * team.size) for kind in instants(told_in_order(streams), camera.times)]
     calls = [(sent, camera.options, camera.epoch, row) for row in chain(*kinds)]
@@ -94,6 +96,7 @@ def _pictures(team: Team, sent: Any, camera: Camera, streams: Iterable[Stream]) 
     for told in team.results(pictures, calls):
         taken.append(_kept(told.packed))
         fcl += told.fcl
+        done("taking pictures", len(taken), len(calls))
     ticks, occasions = taken[: len(kinds[0])], taken[len(kinds[0]) :]
     return Taken(*(chain.from_iterable(map(unpacked_stream, kind)) for kind in (ticks, occasions))), fcl
 

@@ -46,7 +46,7 @@ def alone(tmp_path_factory: pytest.TempPathFactory) -> bytes:
 def run_shares(address: str) -> None:
     loaded = read_scene(FOLDER / "spinning_bar" / "scene.yaml")
     work = Work(loaded.scene, loaded.settings, crowded=False)
-    told_by_workers(work, 1, 1, address, None, lambda done, of: None)
+    told_by_workers(work, 1, 1, address, None, lambda step, done, of: None)
 
 
 def test_a_cluster_gives_the_bytes_of_one_process(cluster, alone, tmp_path):

@@ -203,7 +203,7 @@ def test_workers_end_when_the_run_is_killed(tmp_path):
 def test_an_error_in_a_worker_is_raised_as_it_would_be_here(error, call):
     work = Work(Unpacked(*call), Settings(), crowded=False)  # type: ignore[arg-type]
     with pytest.raises(error):
-        told_by_workers(work, 5, 2, None, None, lambda done, of: None)
+        told_by_workers(work, 5, 2, None, None, lambda step, done, of: None)
 
 
 @pytest.mark.parametrize("jobs", ["0", "many", "100000"])
