@@ -14,7 +14,7 @@ from rich.table import Table
 from rich.text import Text
 
 from ..formats.log.bracket import promised, why_wide
-from ..formats.log.clock import seconds_told
+from ..formats.log.clock import coarseness_told, seconds_told
 from ..formats.log.diff.wording import between
 from ..formats.log.escapes import json_text
 from ..formats.log.ranking import VERDICTS, badness, nearness
@@ -161,10 +161,11 @@ def _distance(pair: PairSummary) -> str:
 
 
 def _notes(summary: Summary, shown: Iterable[PairSummary]) -> list[str]:
-    """Return why some of the least distances are known less well than promised, and what would help."""
+    """Return why least distances, or times of contacts, are known less well than usual, and what would help."""
     found = dict.fromkeys(why for pair in shown if (why := why_wide(pair["distance"])) is not None)
     limit = promised(summary["settings"].get("distance_tolerance"))
-    return [f"wide: not known to {limit}: {why}" for why in found]
+    coarse = coarseness_told(summary["settings"].get("contact_tolerance") or 0.0, *summary["time"])
+    return [f"wide: not known to {limit}: {why}" for why in found] + [f"note: {coarse}"] * bool(coarse)
 
 
 def _at_least(lower: float) -> str:

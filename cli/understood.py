@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ..formats.log.clock import coarseness_told
 from ..formats.scene.errors import counted
 from ..formats.scene.loaded import LoadedScene
 from ..scheduler.counting import count_pairs
@@ -83,6 +84,9 @@ def print_understood(loaded: LoadedScene, pairs: int, margins: list[float]) -> N
         more = f" and {len(margins) - 5} more" if len(margins) > 5 else ""
         console.print(f"margins {', '.join(f'{margin:.6g}' for margin in margins[:5])} m{more}")
     console.print(f"from {scene.start:g} to {scene.end:g} s, time resolution {settings.time_resolution:g} s")
+    coarse = coarseness_told(settings.contact_tolerance, scene.start, scene.end)
+    if coarse:
+        console.print(f"note: {coarse}")
 
 
 def _file_meshes(loaded: LoadedScene) -> list[Mesh]:

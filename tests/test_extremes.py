@@ -18,7 +18,6 @@ from oracle.logs import Log, read_log
 HEAD = "closecall: 1\nunits: {length: m, angle: rad}\ntime: {start: %r, end: %r}\n%sbodies:\n"
 FAR = 5e6
 UNIX_TIME = 1_700_000_000
-COARSE = "settings: {contact_tolerance: 2.0e-5}\n"
 WIDE = np.longdouble
 
 
@@ -229,7 +228,7 @@ def test_keyed_boxes_far_away_in_unix_time_pass_as_near_as_they_do(tmp_path, siz
 
 def test_keyed_boxes_far_away_in_unix_time_touch_when_they_do(tmp_path):
     """The one has 4 m to go to the other at 2.5 m/s, and leaves it after two boxes."""
-    log = run(tmp_path, keyed(0.9, "box: [1, 1, 1]"), UNIX_TIME, UNIX_TIME + 4, COARSE)
+    log = run(tmp_path, keyed(0.9, "box: [1, 1, 1]"), UNIX_TIME, UNIX_TIME + 4)
     assert verdicts(log) == ["CLEAR", "CONTACT", "CLEAR"]
     for event, seconds in zip(log.of("collisions"), (1.6, 2.4), strict=True):
         low, high = sorted((event["time_clear"], event["time_touching"]))
@@ -251,15 +250,14 @@ def test_a_parabola_that_has_been_falling_since_1970_is_refused(tmp_path):
         "  a: {shapes: [{sphere: 1}], motion: {type: ballistic, acceleration: [0, 0, -9.81]}}\n"
         "  b: {pose: {xyz: [0, 0, 1000]}, shapes: [{sphere: 1}]}\n"
     )
-    line = refusal(tmp_path, bodies, UNIX_TIME, UNIX_TIME + 4, COARSE)
+    line = refusal(tmp_path, bodies, UNIX_TIME, UNIX_TIME + 4)
     assert ": bodies.a.motion: rounding may misplace it by 7.55e+04 m, more than its size, 2 m: " in line
     assert line.endswith("let times and t0 be nearer to 0")
 
 
 def test_the_table_tells_unix_time_to_the_microsecond(tmp_path):
     (tmp_path / "scene.yaml").write_text(
-        HEAD % (UNIX_TIME, UNIX_TIME + 4, COARSE)
-        + keyed(0.9, "sphere: 0.5").replace(f"{FAR + 5.0!r}", f"{FAR + 4.9!r}")
+        HEAD % (UNIX_TIME, UNIX_TIME + 4, "") + keyed(0.9, "sphere: 0.5").replace(f"{FAR + 5.0!r}", f"{FAR + 4.9!r}")
     )
     told = closecall("run", "scene.yaml", "-o", "out.mcap", cwd=tmp_path).stdout
     assert "1 pair over [1700000000, 1700000004] s" in told

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from math import ulp
+
+from ...scheduler.scene import Settings, least_duration
+
 NANOSECONDS_PER_SECOND = 1_000_000_000
 
 # Several viewers and MCAP libraries keep log times in signed 64 bits, though the file's are unsigned.
@@ -25,3 +29,15 @@ def seconds_told(time: float, digits: int = 6) -> str:
     if abs(time) >= 1e5:
         digits = len(str(int(abs(time)))) + 6
     return f"{time:.{digits}g}"
+
+
+def coarseness_told(tolerance: float, start: float, end: float) -> str:
+    """Return why contacts are bracketed no finer than by `tolerance`, s, in times from start to end.
+
+    Empty where floats are fine enough for the usual tolerance, or a coarser one than they need was asked for.
+    """
+    if not Settings().contact_tolerance < tolerance <= least_duration(start, end):
+        return ""
+    latest = max(abs(start), abs(end))
+    spacing = f"floats of time near {seconds_told(latest)} s are {ulp(latest):.2g} s apart"
+    return f"begins and ends of contacts are told to {tolerance:.3g} s: {spacing}"

@@ -19,7 +19,7 @@ from ...scheduler.scene import Settings
 from ..scene.loaded import LoadedScene
 from . import messages_pb2 as pb
 from .chunks import Channel, ChunkWriter, Compression, MessageT, Topic
-from .clock import LATEST_LOG_TIME_NS, nanoseconds
+from .clock import LATEST_LOG_TIME_NS, coarseness_told, nanoseconds
 from .contents import (
     LAYOUT,
     METADATA,
@@ -285,6 +285,9 @@ class LogWriter:
         )
         for warning in self._loaded.warnings:
             self.warn(warning)
+        coarse = coarseness_told(self._settings.contact_tolerance, scene.start, scene.end)
+        if coarse:
+            self._tell(Log.INFO, coarse, scene.start)
         if self._viewer is not None:
             self._show(self._viewer.opening(self._start), self._start)
             for remark in self._viewer.remarks:

@@ -94,6 +94,7 @@ class _Reading:
         if given.get("distance_tolerance") == "none":
             given["distance_tolerance"] = None
         spacing = least_duration(start, end)
+        given.setdefault("contact_tolerance", max(Settings().contact_tolerance, spacing))
         settings = Settings(**given)
         for name in ("time_resolution", "contact_tolerance"):
             value = getattr(settings, name)

@@ -114,9 +114,12 @@ class Draw:
         return {"xyz": self.metres(place), **self.turn(rotation)}
 
     def matrix(self, place: FloatArray, rotation: Rotation) -> list[list[float]]:
-        """Write the 4x4 matrix of a pose: a place (3,) m and a rotation."""
+        """Write the 4x4 matrix of a pose: a place (3,) m and a rotation, which some write to six decimals."""
         matrix = np.eye(4)
         matrix[:3, :3], matrix[:3, 3] = rotation.as_matrix(), self.metres(place)
+        with self.aside():
+            if self.chance(0.5):
+                matrix[:3, :3] = np.round(matrix[:3, :3], 6)
         return list(matrix.tolist())
 
     def random_pose(self, reach: float) -> dict[str, Any]:

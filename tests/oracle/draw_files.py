@@ -80,9 +80,11 @@ def euroc(rng: np.random.Generator, clocks: list[int], poses: Poses) -> tuple[li
     return head[:1], times, [",".join(map(repr, row)) + more for row in rows]
 
 
-def kitti(_rng: np.random.Generator, clocks: list[int], poses: Poses) -> tuple[list[str], list[str], list[str]]:
-    """Return no header, times and matrices by rows."""
-    rows = [np.column_stack((turn.as_matrix(), place)).ravel().tolist() for place, turn in poses]
+def kitti(rng: np.random.Generator, clocks: list[int], poses: Poses) -> tuple[list[str], list[str], list[str]]:
+    """Return no header, times and matrices by rows, of which some files write rotations to six decimals."""
+    decimals = 6 if rng.random() < 0.5 else 17
+    turned = [np.round(turn.as_matrix(), decimals) for _, turn in poses]
+    rows = [np.column_stack((turn, place)).ravel().tolist() for turn, (place, _) in zip(turned, poses, strict=True)]
     return [], [f"{clock * TICK:.17e}" for clock in clocks], [" ".join(map(repr, row)) for row in rows]
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.linalg import polar
 from scipy.spatial.transform import Rotation
 
 FloatArray = NDArray[np.float64]
@@ -86,6 +87,7 @@ def pose_of(pose: Mapping[str, Any] | None, metres: float, radians: float) -> Fl
         return out
     if "matrix" in pose:
         out = numbers(pose["matrix"]).copy()
+        out[:3, :3] = polar(out[:3, :3])[0]  # the nearest rotation
         out[:3, 3] *= metres
         return out
     out[:3, :3] = rotation_of(pose, radians)

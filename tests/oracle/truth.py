@@ -82,8 +82,12 @@ class Truth:
 
     @property
     def contact_tolerance(self) -> float:
-        """s, the widest bracket of a contact's begin or end that may be left: the scene's own setting, or 1e-6."""
-        return float(self.scene.get("settings", {}).get("contact_tolerance", 1e-6))
+        """s, the widest bracket of a contact's begin or end that may be left.
+
+        The scene's own setting, or 1e-6, or 64 floats of time where those are more.
+        """
+        usual = max(1e-6, 64.0 * float(np.spacing(max(abs(self.start), abs(self.end)))))
+        return float(self.scene.get("settings", {}).get("contact_tolerance", usual))
 
     def pairs(self) -> list[Pair]:
         """Return every pair to watch: with shapes, there at one time, in relative motion, allowed by the rules."""

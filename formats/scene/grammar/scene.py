@@ -42,7 +42,9 @@ class SettingsPart(Part):
         default=None, description="Seconds: the least step of the main loop. Default: 0.001."
     )
     contact_tolerance: Size | None = Field(
-        default=None, description="Seconds: the widest bracket of a contact's begin or end. Default: 0.000001."
+        default=None,
+        description="Seconds: the widest bracket of a contact's begin or end. "
+        "Default: 0.000001, or 64 floats of time where those are more.",
     )
     margin: Margin | None = Field(
         default=None, description="A pair nearer than this is in breach, in the file's length unit. Default: 0."
