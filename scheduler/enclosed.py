@@ -22,7 +22,7 @@ MOST_SEARCHED = 300_000
 #: So many of the places where a skin meets itself are looked at, from all over it.
 MOST_PLACES = 300
 #: So many pairs of triangles whose boxes meet are looked at.
-MOST_PAIRS = 20_000_000
+MOST_PAIRS = 4_000_000
 #: So many corners of a skin, from all over it, tell whether it lies inside another.
 MOST_CORNERS = 64
 #: How far from such a place, in lengths of the smaller triangle, what lies around it is looked at.

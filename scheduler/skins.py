@@ -240,18 +240,21 @@ def skins_of(vertices: FloatArray, triangles: IntArray, kept: IntArray, twins: I
     walled = np.logical_and(*np.split(plain[looks], 2))
     order = np.argsort(looks, kind="stable")
     starts = np.searchsorted(looks[order], np.arange(spaces + 1))
+    columns = np.ascontiguousarray(vertices.T)
     found = []
     for space in np.flatnonzero(enclosed):
         members = order[starts[space] : starts[space + 1]]
         own, turned = members % len(sources), members < len(sources)
-        outward = np.where(turned[:, None], triangles[sources[own]][:, ::-1], triangles[sources[own]])
+        outward = triangles[sources[own]]
+        outward[turned] = outward[turned][:, ::-1]
         left = _uncancelled(outward, twins[own])
-        own, turned, outward = own[left], turned[left], outward[left]
+        if not left.all():
+            own, turned, outward = own[left], turned[left], outward[left]
         if not len(own):
             continue
-        points = vertices[outward]
+        points = columns[:, outward.reshape(-1)]
         winding = -1 if turned.all() else 0 if turned.any() else 1
-        box = points.min(axis=(0, 1)), points.max(axis=(0, 1))
+        box = points.min(axis=1), points.max(axis=1)
         volume, flat = float(volumes[space]), bool(volumes[space] <= FLAT * sizes[space])
         found.append(Skin(outward, sources[own], winding, float(walled[own].mean()), volume, flat, *box))
     return sorted(found, key=lambda skin: (-skin.volume, skin.sources[0]))
