@@ -7,6 +7,9 @@ from pathlib import Path
 import pytest
 from scene_files import HEAD, MOTION, TETRAHEDRON, load, warnings
 
+from closecall.cli.job import counted_pairs
+from closecall.formats.scene.reader import read_scene
+
 
 def two(first: str, second: str) -> str:
     return f"{HEAD}bodies:\n  one: {{shapes: [{first}]}}\n  other: {{shapes: [{second}]}}\n"
@@ -170,3 +173,16 @@ def test_a_faultless_scene_of_everyday_sizes_is_not_warned_of(tmp_path: Path) ->
     lengths = (12, 80, 400, 2500, 6000)
     parts = "".join(f"  p{i}: {{shapes: [{{box: [{s}, {s}, {s}]}}]}}\n" for i, s in enumerate(lengths))
     assert load(tmp_path, f"{HEAD}bodies:\n{parts}").warnings == ()
+
+
+def test_a_log_names_the_scene_file_alone_however_its_path_was_typed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "folder" / "scene.yaml").write_text(f"{HEAD}bodies:\n  one: {{shapes: [{{sphere: 1}}]}}\n")
+    monkeypatch.chdir(tmp_path)
+    typed = (Path("folder/scene.yaml"), Path("folder/../folder/scene.yaml"), tmp_path / "folder" / "scene.yaml")
+    loaded = [counted_pairs(read_scene(path), strict=False)[0] for path in typed]
+    assert len({scene.warnings for scene in loaded}) == 3
+    (told,) = {scene.warnings_by_name for scene in loaded}
+    assert [line.split(":")[0] for line in told] == ["scene.yaml"] * len(told) != []

@@ -283,7 +283,7 @@ class LogWriter:
             f"{self._pairs_total} pairs, from {scene.start!r} s to {scene.end!r} s",
             scene.start,
         )
-        for warning in self._loaded.warnings:
+        for warning in self._loaded.warnings_by_name:
             self.warn(warning)
         coarse = coarseness_told(self._settings.contact_tolerance, scene.start, scene.end)
         if coarse:

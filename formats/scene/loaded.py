@@ -9,6 +9,7 @@ from math import fmod, nextafter
 from pathlib import Path
 
 from ...scheduler.scene import Scene, Settings
+from .errors import printable
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,3 +79,9 @@ class LoadedScene:
     warnings: tuple[str, ...]
     trajectory_files: tuple[InputFile, ...] = ()
     key_names: Mapping[int, KeyNames] = field(default_factory=dict)
+
+    @property
+    def warnings_by_name(self) -> tuple[str, ...]:
+        """The warnings with the scene file's name alone: what a log holds does not rest on how its path was typed."""
+        path, name = printable(str(self.path)), printable(self.path.name)
+        return tuple(name + warning.removeprefix(path) for warning in self.warnings)
