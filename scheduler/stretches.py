@@ -27,6 +27,11 @@ class Stretch(NamedTuple):
     depth_limit: float
     nearest: float
 
+    @property
+    def grazes(self) -> bool:
+        """Whether contact is excluded, and the margin neither kept nor broken for certain."""
+        return self.verdict is Verdict.UNRESOLVED and self.clearance > 0.0
+
     def joined(self, after: Stretch) -> Stretch:
         """Return this stretch and the one after it, of the same verdict, as one."""
         return Stretch(
@@ -52,20 +57,28 @@ class SpanRecord:
     Spans are told as they end once the pair has touched. Until then they wait for the pair's end: what is known of
     the least distance may still raise their clearance.
 
+    Beside its margin's crossing a pair may be proved apart, but neither within the margin nor beyond. Such a sliver
+    belongs to the breach beside it: between two if no longer than the time resolution, so that one breach is told as
+    one; else if no longer than a crossing's tolerance.
+
     Attributes:
         untold: the stretches that wait.
         touched: whether the pair has ever been in contact.
         end: s, up to when all is decided.
     """
 
-    def __init__(self, key: PairKey, start: float, error: float = 0.0) -> None:
-        """Begin at `start`, s; `error` (m) is that of the pair's distances."""
+    def __init__(self, key: PairKey, start: float, error: float, resolution: float, crossing: float) -> None:
+        """Begin at `start`, s; `error` (m) is that of the pair's distances.
+
+        `resolution` and `crossing`, s, limit the slivers that belong to breaches.
+        """
         self.untold: list[Stretch] = []
         self.touched = False
         self._key = key
         self._error = error
         self.end = start
-        self._last: Stretch | None = None
+        self._resolution, self._crossing = resolution, crossing
+        self._last: list[Stretch] = []  # the span that grows; before a sliver, the breach that it may belong to
 
     def extend(
         self, until: float, verdict: Verdict, clearance: float, depth_limit: float, nearest: float
@@ -84,24 +97,37 @@ class SpanRecord:
     def finish(self) -> Iterator[Span]:
         """Yield the spans that are left."""
         yield from self._tell()
-        if self._last is not None:
-            yield self._span(self._last)
-            self._last = None
+        self._give_sliver_to_breach(None)
+        yield from self._end()
 
     def _tell(self) -> Iterator[Span]:
         """Join the waiting stretches to the last span, and yield each span that another follows."""
         for stretch in self.untold:
-            if self._last is None:
-                self._last = stretch
-            elif stretch.verdict is self._last.verdict:
-                self._last = self._last.joined(stretch)
-            else:
-                yield self._span(self._last)
-                self._last = stretch
+            if self._last and stretch.verdict is not self._last[-1].verdict:
+                self._give_sliver_to_breach(stretch.verdict)
+            if self._last and stretch.verdict is self._last[-1].verdict:
+                self._last[-1] = self._last[-1].joined(stretch)
+                continue
+            if not (self._last and self._last[-1].verdict is Verdict.BREACH and stretch.grazes):
+                yield from self._end()
+            self._last.append(stretch)
         self.untold.clear()
 
-    def _span(self, last: Stretch) -> Span:
-        return Span(self._key, last.verdict, last.start, last.end, last.clearance, last.depth_limit, self._error)
+    def _give_sliver_to_breach(self, following: Verdict | None) -> None:
+        """Make the last span part of the breach beside it if it is a sliver that belongs there."""
+        after = following is Verdict.BREACH
+        if not self._last or not self._last[-1].grazes or not (after or len(self._last) > 1):
+            return
+        sliver = self._last[-1]
+        if sliver.end - sliver.start <= (self._resolution if after and len(self._last) > 1 else self._crossing):
+            part = self._last.pop()._replace(verdict=Verdict.BREACH)
+            self._last = [self._last[0].joined(part)] if self._last else [part]
+
+    def _end(self) -> Iterator[Span]:
+        """Yield what is known to be whole."""
+        for last in self._last:
+            yield Span(self._key, last.verdict, last.start, last.end, last.clearance, last.depth_limit, self._error)
+        self._last = []
 
 
 def _coarser(stretches: list[Stretch]) -> list[Stretch]:

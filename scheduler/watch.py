@@ -56,7 +56,8 @@ class Watch:
         tolerance = self._margin_tolerance if pair.margin > 0.0 else settings.contact_tolerance
         self._floor = Floor(settings, tolerance, latest)
         self._hold = Hold(pair, settings.time_resolution)
-        self._spans = SpanRecord(pair.key, pair.start, pair.error)
+        resolution = settings.time_resolution
+        self._spans = SpanRecord(pair.key, pair.start, pair.error, resolution, self._margin_tolerance)
         self._near = False  # whether bounding spheres have not cleared it so far that its least distance may stay loose
 
     def learn(self, measurement: Measurement) -> Iterator[Event]:
@@ -73,7 +74,7 @@ class Watch:
             measurement, verdict, clearance, depth_limit = self._judge(known, measurement)
             if measurement.standing is not known.standing:
                 self._other = measurement
-            elif not self._takes_back(measurement.time - known.time, verdict):
+            elif not self._takes_back(measurement.time - known.time, verdict, clearance):
                 yield from self._extend(known, measurement, verdict, clearance, depth_limit)
                 self._stand_at(measurement)
         self.clearance = 0.0 if measurement.touching else measurement.clearance
@@ -173,9 +174,10 @@ class Watch:
         adjacent = measurement.time <= nextafter(known.time, inf)
         return adjacent and self.pair.motion.stop_after(known.time) == measurement.time
 
-    def _takes_back(self, step: float, verdict: Verdict) -> bool:
+    def _takes_back(self, step: float, verdict: Verdict, clearance: float) -> bool:
         """Tell whether a step (s) that proved nothing is to be taken back and tried finer."""
-        if verdict is Verdict.UNRESOLVED:
+        beside_margin = clearance > 0.0 and step <= self._margin_tolerance
+        if verdict is Verdict.UNRESOLVED and not beside_margin:
             return self._floor.failed(step)
         if verdict is not Verdict.CONTACT:
             self._floor.proved(step)
@@ -205,16 +207,14 @@ class Watch:
     def _verdict(self, known: Measurement, measurement: Measurement, proof: Proof) -> tuple[Verdict, float, float]:
         """Return what is proved between two measurements that do not touch: verdict, clearance, depth limit.
 
-        CLEAR holds the margin everywhere. Where a margin is crossed, between two measurements in breach, and for an
-        instant beside the margin, it is proved that nothing touches. Unresolved with a clearance is what grazes the
-        margin, certainly without contact.
+        CLEAR holds the margin everywhere. Where a margin is crossed, and between two measurements in breach, it is
+        proved that nothing touches. Unresolved with a clearance is what grazes the margin, certainly without contact.
         """
         clear = known.standing is measurement.standing is Verdict.CLEAR
         if clear and proof.clearance > known.margin:
             return Verdict.CLEAR, proof.clearance, 0.0
         if proof.clearance > 0.0:
-            grazes = clear and measurement.time - known.time > self._margin_tolerance
-            return (Verdict.UNRESOLVED if grazes else Verdict.BREACH), proof.clearance, 0.0
+            return (Verdict.UNRESOLVED if clear else Verdict.BREACH), proof.clearance, 0.0
         return Verdict.UNRESOLVED, 0.0, proof.depth_limit
 
     def _close_bracket(self) -> Iterator[Event]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from bisect import bisect_left
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from itertools import zip_longest
 from math import inf, isfinite
@@ -293,7 +293,7 @@ class SummaryBuilder:
             "error": findings.error,
             "chord_error": self._subject.chord_error(key.a) + self._subject.chord_error(key.b),
             "contacts": self._contacts(key),
-            "breaches": spans[Verdict.BREACH],
+            "breaches": _as_one(spans[Verdict.BREACH], spans[Verdict.UNRESOLVED], self._subject.settings),
             "unresolved": spans[Verdict.UNRESOLVED],
             "possible": spans[Verdict.POSSIBLE],
             "wakeups": sum(findings.queries),
@@ -326,6 +326,21 @@ class SummaryBuilder:
             "wakeups": sum(pair["wakeups"] for pair in pairs),
             "queries": {level: sum(pair["queries"][level] for pair in pairs) for level in levels},
         }
+
+
+def _as_one(
+    breaches: list[list[float]], unresolved: list[list[float]], settings: Mapping[str, float | None]
+) -> list[list[float]]:
+    """Return the breaches, with those as one that nothing parts but an unresolved time within the time resolution."""
+    resolution = settings.get("time_resolution") or 0.0
+    slivers = {(low, high) for low, high in unresolved if high - low <= resolution}
+    joined: list[list[float]] = []
+    for low, high in breaches:
+        if joined and (joined[-1][1], low) in slivers:
+            joined[-1] = [joined[-1][0], high]
+        else:
+            joined.append([low, high])
+    return joined
 
 
 def to_json(summary: Summary) -> str:
