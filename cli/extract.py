@@ -68,13 +68,16 @@ def command(
 
 
 def _list_files(log: Path) -> int:
-    """Print the files that travel with a log: bytes, type, name."""
+    """Print the files that travel with a log: bytes, type, name. Tell what of the log cannot be read, too."""
     from ..formats.log.reader import LogReader
 
     with LogReader(log) as reader:
         for file in reader.attachments():
             say(f"{len(file.data):>12}  {file.media_type:<24}  {file.name}")
-        return exit_code_of(reader.loss)
+        loss = reader.loss
+        for _ in reader.facts():
+            pass
+        return exit_code_of(loss or reader.loss)
 
 
 def _take_file(log: Path, name: str, output: Path | None) -> int:

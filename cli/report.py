@@ -38,4 +38,4 @@ def command(log: Path, output: Path | None, quiet: bool) -> int:
             stream.write(data)
         if not quiet and target != STDOUT:
             say(f"{target}: {len(data) / 1e6:.1f} MB")
-        return exit_code_of(gathered.loss)
+        return exit_code_of(gathered.found.loss or gathered.loss)

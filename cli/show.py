@@ -58,11 +58,11 @@ def console_for(to_stderr: bool = False) -> Console:
 def print_rows(console: Console, columns: Sequence[str], rows: Sequence[Sequence[Text]]) -> None:
     """Print rows under their columns; on a terminal too narrow for them each row is a list, folded and never cut."""
     if console.width < NARROW:
-        for name, *cells in rows:
-            console.print(Text(name.plain, "bold"), overflow="fold")
-            for column, cell in zip(columns[1:], cells, strict=True):
-                if cell.plain:
-                    console.print(Padding(Text.assemble(f"{column}: ", cell), (0, 0, 0, 2)), overflow="fold")
+        for name, *others in rows:
+            console.print(cell(name.plain, "bold"), overflow="fold")
+            for column, told in zip(columns[1:], others, strict=True):
+                if told.plain:
+                    console.print(Padding(Text.assemble(f"{column}: ", told), (0, 0, 0, 2)), overflow="fold")
         return
     table = Table(box=None, pad_edge=False, header_style="bold")
     for column in columns:

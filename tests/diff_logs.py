@@ -14,7 +14,7 @@ from rewritten_logs import Change
 
 from closecall.cli.job import run_job
 from closecall.cli.run import options_of
-from closecall.formats.log.reader import message_type
+from closecall.formats.log.checks import TYPES
 
 SCENE = """\
 closecall: 1
@@ -62,10 +62,7 @@ def edited(topic: str, edit: Callable[[Any], bool | None], first: int | None = N
         nonlocal count
         if channel.topic != topic or (first is not None and count >= first):
             return [message]
-        own = {"/log": "foxglove.Log", "/viz/clearance": "foxglove.SceneUpdate"}
-        kind = message_type(own.get(topic, f"closecall.{topic[1:].rstrip('s').capitalize()}"))
-        assert kind is not None
-        decoded = kind.FromString(message.data)
+        decoded: Any = TYPES[topic].FromString(message.data)
         before = decoded.SerializeToString()
         kept = edit(decoded)
         count += kept is False or decoded.SerializeToString() != before
@@ -76,10 +73,10 @@ def edited(topic: str, edit: Callable[[Any], bool | None], first: int | None = N
 
 def with_last_bits(channel: Channel, message: Message) -> Iterable[Message]:
     """Change every double by its last bit, up or down, and each time by a nanosecond: as another machine's libm may."""
-    kind = message_type(f"closecall.{channel.topic[1:].rstrip('s').capitalize()}")
-    if kind is None:
+    kind = TYPES[channel.topic]
+    if not kind.DESCRIPTOR.full_name.startswith("closecall."):
         return [message]
-    decoded = kind.FromString(message.data)
+    decoded: Any = kind.FromString(message.data)
     _nudge(decoded)
     return [replace(message, log_time=max(0, message.log_time - 1), data=decoded.SerializeToString())]
 

@@ -14,8 +14,8 @@ from diff_logs import SCENE, run_scene, write_scene
 from mcap.records import Channel, Message
 from rewritten_logs import rewrite
 
+from closecall.formats.log.checks import TYPES
 from closecall.formats.log.escapes import csv_text, html_text, json_text
-from closecall.formats.log.reader import message_type
 
 CLI = Path(__file__).parents[1] / "cli"
 
@@ -28,12 +28,7 @@ def renamed(name: str):
     """Return a change of a log that calls the body `arm` otherwise, and what is told of it."""
 
     def change(channel: Channel, message: Message) -> list[Message]:
-        kinds = {"/log": "foxglove.Log", "/tf": "foxglove.FrameTransforms", "/world": "closecall.World"}
-        kind = message_type(kinds.get(channel.topic, f"closecall.{channel.topic[1:].rstrip('s').capitalize()}"))
-        if channel.topic.startswith(("/scene", "/viz")):
-            kind = message_type("foxglove.SceneUpdate")
-        assert kind is not None
-        decoded = kind.FromString(message.data)
+        decoded = TYPES[channel.topic].FromString(message.data)
         _rename(decoded, name)
         message.data = decoded.SerializeToString()
         return [message]
@@ -87,7 +82,7 @@ def test_names_steer_no_terminal(folder):
     assert EVIL_SEEN in said(folder, "summary", "evil.mcap")
     assert EVIL_SEEN in said(folder, "diff", "evil.mcap", new, code=1)
     assert EVIL_SEEN in said(folder, "diff", "evil.mcap", new, "--all", "--limit", "30", code=1)
-    assert "no pair is" in said(folder, "diff", new, new, "--ignore", EVIL.replace("\x00", "") + "|nobody")
+    assert "matches no pair" in said(folder, "diff", new, new, "--ignore", EVIL.replace("\x00", "") + "|nobody", code=2)
     assert "MB" in said(folder, "report", new, "-o", f"{new}.html")
     assert "rows" in said(folder, "export", new, "-o", new + "tables")
     assert "messages" in said(folder, "extract", new, "--to", "1", "-o", "part" + new)

@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 from typing import IO, cast
 
+from mcap.opcode import Opcode
 from mcap.reader import SeekingReader
 from mcap.records import AttachmentIndex
 from mcap.summary import Summary as Index
@@ -82,11 +83,17 @@ def _require_both_ends(path: Path, file: IO[bytes]) -> None:
 
 
 def _read_indexed(path: Path, file: IO[bytes], index: AttachmentIndex) -> bytes:
-    file.seek(index.offset)
+    records = RecordFile(path, file)
+    record = records.at(index.offset)
+    if record.opcode != Opcode.ATTACHMENT or RECORD_HEAD.size + record.length != index.length:
+        raise _damaged(path, f"its index says that {index.name} is where it is not")
     try:
-        return read_attachment_record(_BoundedFile(file).read(index.length)[RECORD_HEAD.size :]).data
+        attachment = read_attachment_record(records.body(record))
     except ValueError as error:
         raise _damaged(path, f"the checksum of {index.name} does not match") from error
+    if attachment.name != index.name:
+        raise _damaged(path, f"its index says that {index.name} is where it is not")
+    return attachment.data
 
 
 def _damaged(path: Path, problem: str) -> DamagedLogError:

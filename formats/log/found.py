@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import nan
 from pathlib import Path
-from typing import NoReturn, cast
 
 from ...scheduler.events import Level, PairKey, Phase, Verdict
 from ...scheduler.scene import bodies_of_pair
 from . import messages_pb2 as pb
 from .attachments import NAME_A_LOG, read_attachment
+from .carried import OlderSummaryError, SummaryError, as_summary, require_same_run
 from .contents import SUMMARY
 from .errors import LogError
 from .identity import Identity
@@ -57,10 +56,10 @@ def read_summary(path: Path) -> Summary:
     Raises:
         LogError: for a file that is missing, unfinished, damaged, or not a log of closecall.
     """
-    summary = _as_summary(read_attachment(path, SUMMARY))
-    if summary is None:
-        raise LogError(path, f"is an MCAP file, but its {SUMMARY} is not closecall's", NAME_A_LOG)
-    return summary
+    try:
+        return as_summary(read_attachment(path, SUMMARY))
+    except SummaryError as error:
+        raise LogError(path, f"is an MCAP file, but its {SUMMARY} is not closecall's: {error}", NAME_A_LOG) from error
 
 
 def read_found(path: Path) -> Found:
@@ -70,14 +69,23 @@ def read_found(path: Path) -> Found:
         LogError: for a file that is missing, or not a log of closecall.
         DamagedLogError: where nothing can be read.
     """
-    try:
-        return Found(read_summary(path))
-    except LogError:
-        found = fold(path)
     with LogReader(path) as log:
-        carried = next(log.attachments(SUMMARY), None)
-    summary = None if carried is None else _as_summary(carried.data)
-    return found if summary is None else Found(summary, found.loss)
+        try:
+            summary = read_summary(path)
+            require_same_run(summary, log.identity)
+            return Found(summary)
+        except (LogError, SummaryError):
+            found = fold(path)
+        try:
+            for carried in log.attachments(SUMMARY):
+                summary = as_summary(carried.data)
+                require_same_run(summary, log.identity)
+                return Found(summary, found.loss)
+        except OlderSummaryError:
+            return found
+        except SummaryError as error:
+            log.doubt(f"its {SUMMARY} is not closecall's: {error}")
+        return replace(found, loss=found.loss or log.loss)
 
 
 def fold(path: Path, topics: Sequence[str] = FACTS) -> Found:
@@ -92,10 +100,7 @@ def fold(path: Path, topics: Sequence[str] = FACTS) -> Found:
     with LogReader(path) as log:
         folding = Folding(log.identity)
         for _, log_time, message in log.facts(*topics):
-            try:
-                folding.add(message, log.identity.seconds(log_time))
-            except (LookupError, ValueError, OverflowError):
-                log.doubt("a message says what cannot be")
+            folding.add(message, log.identity.seconds(log_time))
         return folding.found(log.loss)
 
 
@@ -177,18 +182,3 @@ def _gaps(covered: Stretches, start: float, end: float) -> Stretches:
             gaps.append((start, low))
         start = max(start, high)
     return [*gaps, (start, end)] if start < end else gaps
-
-
-def _as_summary(data: bytes) -> Summary | None:
-    """Return the summary that is written so, None where it is none."""
-    try:
-        summary = json.loads(data, parse_constant=_refuse_constant)
-    except (ValueError, RecursionError):
-        return None
-    if not isinstance(summary, dict) or not Summary.__required_keys__ <= summary.keys():
-        return None
-    return cast(Summary, summary)
-
-
-def _refuse_constant(name: str) -> NoReturn:
-    raise ValueError(f"{name} is not JSON")

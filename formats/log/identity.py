@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
 from dataclasses import dataclass
-from math import inf, isfinite
-from typing import Any
+from math import inf
 
 from closecall import __version__
 
@@ -15,7 +13,7 @@ from ...scheduler.counting import count_pairs
 from ...scheduler.motions import Interval
 from ...scheduler.scene import ALWAYS, Scene, Settings
 from ..scene.loaded import LoadedScene
-from .clock import NANOSECONDS_PER_SECOND
+from .clock import NANOSECONDS_PER_SECOND, nanoseconds
 from .contents import input_files, settings_json
 
 
@@ -89,6 +87,10 @@ class Identity:
         """Return a log time, ns, in scene seconds."""
         return (log_time - self.epoch) / NANOSECONDS_PER_SECOND
 
+    def log_time(self, time: float) -> int:
+        """Return scene seconds as a log time, ns."""
+        return nanoseconds(time) + self.epoch
+
     def margin(self, body_a: str, body_b: str) -> float:
         """Return a pair's margin, m."""
         for one, other, margin in reversed(self.margins):
@@ -100,33 +102,3 @@ class Identity:
         """Return when both bodies exist within the scene's time, s."""
         (a_from, a_to), (b_from, b_to) = (self.exists.get(body, (-inf, inf)) for body in (body_a, body_b))
         return max(self.start, a_from, b_from), min(self.end, a_to, b_to)
-
-
-def read_identity(values: Mapping[str, str]) -> Identity:
-    """Read back what `identity` returned, the newer values only where they are there.
-
-    Raises:
-        ValueError, TypeError, LookupError: where something is missing or no longer what was written.
-    """
-    margins: list[tuple[Any, Any, Any]] = json.loads(values.get("margins", "[]"))
-    exists: dict[str, tuple[Any, Any]] = json.loads(values.get("exists", "{}"))
-    start, end = float(values["start"]), float(values["end"])
-    settings: dict[str, float | None] = {
-        str(key): None if value is None else float(value) for key, value in json.loads(values["settings"]).items()
-    }
-    if not (isfinite(start) and isfinite(end) and start <= end and "margin" in settings):
-        raise ValueError("the time or the margin is not one")
-    return Identity(
-        version=values["version"],
-        scene_sha256=values["scene_sha256"],
-        start=start,
-        end=end,
-        epoch=int(values["epoch"]),
-        bodies=int(values["count/bodies"]),
-        pairs_total=int(values["count/pairs"]),
-        pairs_ignored=int(values.get("count/ignored", "0")),
-        settings=settings,
-        chord_errors={str(body): float(error) for body, error in json.loads(values.get("chord_errors", "{}")).items()},
-        exists={str(body): (float(low), float(high)) for body, (low, high) in exists.items()},
-        margins=tuple((frozenset(one), frozenset(other), float(margin)) for one, other, margin in margins),
-    )

@@ -114,10 +114,7 @@ def _write(reader: LogReader, identity: Identity, choice: Choice, contents: _Con
         if not choice.wants_topic(source.shared_topic) or not _is_wanted(message, source.topic, time, choice, contents):
             continue
         if isinstance(message, _FOLDED):
-            try:
-                folding.add(message, time)
-            except (LookupError, ValueError, OverflowError):
-                reader.doubt("a message says what cannot be")
+            folding.add(message, time)
         channel = channels.get(source.topic)
         if channel is None:
             channel = channels[source.topic] = Channel(source.topic, type(message))
@@ -128,7 +125,7 @@ def _write(reader: LogReader, identity: Identity, choice: Choice, contents: _Con
     chunks.add_metadata(METADATA, values | counts | ({} if loss is None else {LOST: loss.told}))
     if loss is None:
         summary = to_json(folding.found(None).summary).encode()
-        chunks.add_attachment(SUMMARY, "application/json", summary, reader.identity.epoch)
+        chunks.add_attachment(SUMMARY, "application/json", summary, identity.log_time(identity.end))
     chunks.finish()
     return Part(taken, count, len(contents.pairs), loss)
 

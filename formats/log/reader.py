@@ -4,27 +4,26 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Iterator
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
-from functools import cache
-from importlib import import_module
 from pathlib import Path
 from struct import Struct
 from types import TracebackType
-from typing import Any, Self, cast
+from typing import Any, Self
 
-from google.protobuf.message import DecodeError, Message
+from google.protobuf.message import DecodeError
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Metadata, Schema
 from mcap.writer import MCAP0_MAGIC
 
 from ..scene.errors import counted
-from . import messages_pb2 as pb
 from .attachments import NAME_A_LOG, opened, read_index
+from .checks import FactChecks, FactError
 from .clock import seconds_told
 from .contents import LOST, METADATA, METADATA_AT_START
 from .errors import DamagedLogError, LogError
-from .identity import Identity, read_identity
+from .identity import Identity
+from .identity_reading import read_identity
 from .records import (
     DAMAGE,
     RECORD_HEAD,
@@ -35,6 +34,7 @@ from .records import (
     read_attachment_record,
     read_stream,
 )
+from .sources import Source, Sources
 
 _MESSAGE_HEAD = Struct("<HIQQ")  # channel, sequence, log time, publish time
 _MESSAGE_OPCODES = frozenset((Opcode.CHUNK, Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE))
@@ -42,20 +42,7 @@ _MESSAGE_OPCODES = frozenset((Opcode.CHUNK, Opcode.SCHEMA, Opcode.CHANNEL, Opcod
 _ATTACHMENT_TIMES_BYTES = 8 + 8
 _ATTACHMENT_HEAD_BYTES = 64 * 1024  # the times, and a name that no writer makes longer
 
-_FOXGLOVE = ("Log", "SceneUpdate", "FrameTransforms")
-
-
-@dataclass(frozen=True, slots=True)
-class Source:
-    """Where messages come from: a topic, and the type of its messages, None where that is not one of closecall's."""
-
-    topic: str
-    kind: type[Message] | None
-
-    @property
-    def shared_topic(self) -> str:
-        """The topic, of those by body without the body."""
-        return "/distances" if self.topic.startswith("/distances/") else self.topic
+_OF_THE_RUN = (METADATA_AT_START, METADATA)
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,11 +104,10 @@ class LogReader:
 
     def _begin(self) -> None:
         """Forget what an earlier pass over the log found."""
-        self._wanted: frozenset[str] = frozenset()
-        self._schemas: dict[int, str] = {}
-        self._sources: dict[int, Source] = {}  # by channel, of the topics that are wanted
-        self._others: set[int] = set()
-        self._faults: list[DamageError] = []
+        self._sources = Sources(frozenset(), self.doubt)
+        self._checks: FactChecks | None = None
+        self._fault: DamageError | None = None
+        self._places = 0
         self._inherited: Loss | None = None
         self._stopped = False
         self._offset = 0
@@ -147,11 +133,11 @@ class LogReader:
     @property
     def loss(self) -> Loss | None:
         """What could not be read, known once the messages (or attachments) were; None where nothing is lost."""
-        if not self._faults:
+        first = self._fault
+        if first is None:
             return self._inherited
-        first = self._faults[0]
         read_to = self.identity.seconds(max(self._latest, self.identity.epoch)) if self._stopped else None
-        return Loss(self.path, first.offset, first.problem, first.cut, len(self._faults), read_to)
+        return Loss(self.path, first.offset, first.problem, first.cut, self._places, read_to)
 
     def messages(self, *topics: str) -> Iterator[tuple[Source, int, bytes]]:
         """Yield each message's source, log time in ns and bytes, in the order of the file: by time within a chunk.
@@ -160,7 +146,7 @@ class LogReader:
             topics: those wanted, of topics by body without the body (`/distances`); all topics if none are named.
         """
         self._begin()
-        self._wanted = frozenset(topics)
+        self._sources = Sources(frozenset(topics), self.doubt)
         for record, body in self._data():
             try:
                 if record.opcode == Opcode.CHUNK:
@@ -168,7 +154,7 @@ class LogReader:
                 else:
                     yield from self._inner(RECORD_HEAD.pack(record.opcode, record.length) + body)
             except DAMAGE as error:
-                self._faults.append(DamageError(record.offset, str(error) or "a record cannot be read"))
+                self._add_fault(DamageError(record.offset, str(error) or "a record cannot be read"))
 
     def facts(self, *topics: str) -> Iterator[tuple[Source, int, Any]]:
         """Yield each message's source, log time in ns and the message itself; types that are not known are passed over.
@@ -177,18 +163,34 @@ class LogReader:
             topics: as for `messages`.
         """
         for source, log_time, data in self.messages(*topics):
-            if source.kind is None:
-                continue
-            try:
-                message = source.kind.FromString(data)
-            except DecodeError:
-                self.doubt(f"a message of {source.topic} cannot be decoded")
-                continue
-            yield source, log_time, message
+            message = self.fact(source, log_time, data)
+            if message is not None:
+                yield source, log_time, message
+
+    def fact(self, source: Source, log_time: int, data: bytes) -> Any | None:
+        """Return a message that `messages` yielded; None, and a doubt, for one that says what cannot be."""
+        if source.kind is None:
+            return None
+        if self._checks is None:
+            self._checks = FactChecks(self.identity.bodies)
+        try:
+            message = source.kind.FromString(data)
+            self._checks.require(message, log_time)
+        except DecodeError:
+            self.doubt(f"a message of {source.topic} cannot be decoded")
+            return None
+        except FactError as error:
+            self.doubt(f"a message of {source.topic}: {error}")
+            return None
+        return message
 
     def doubt(self, problem: str) -> None:
-        """Count the chunk under way as damaged, for one of its messages cannot be true."""
-        self._faults.append(DamageError(self._offset, problem))
+        """Take note that something in the record under way cannot be true."""
+        self._add_fault(DamageError(self._offset, problem))
+
+    def _add_fault(self, fault: DamageError) -> None:
+        self._fault = self._fault or fault
+        self._places += 1
 
     def attachments(self, *names: str) -> Iterator[Attachment]:
         """Yield the files that travel with the log, whether or not its index is whole; those not whole are passed over.
@@ -199,14 +201,15 @@ class LogReader:
         self._begin()
         try:
             for record in self._records.heads():
+                self._offset = record.offset
                 if record.opcode == Opcode.ATTACHMENT:
                     try:
                         if not names or self._attachment_name(record) in names:
                             yield read_attachment_record(self._records.body(record))
                     except DAMAGE:
-                        self._faults.append(DamageError(record.offset, "a file that travels with it is damaged"))
+                        self.doubt("a file that travels with it is damaged")
         except DamageError as error:
-            self._faults.append(error)
+            self._add_fault(error)
 
     def _attachment_name(self, record: Record) -> str:
         head = self._records.body(replace(record, length=min(record.length, _ATTACHMENT_HEAD_BYTES)))
@@ -220,11 +223,15 @@ class LogReader:
                 if record.opcode == Opcode.METADATA:
                     try:
                         metadata = self._metadata(record)
-                        if metadata.name in (METADATA_AT_START, METADATA):
-                            self.values = dict(metadata.metadata)
-                            return read_identity(self.values)
                     except DAMAGE:
                         problem = f"byte {record.offset}: what it says of its run cannot be read"
+                        continue
+                    if metadata.name in _OF_THE_RUN:
+                        try:
+                            self.values = dict(metadata.metadata)
+                            return read_identity(self.values)
+                        except ValueError as error:
+                            problem = f"byte {record.offset}: what it says of its run cannot be: {error}"
         except DamageError as error:
             problem = problem or str(error)
         if problem:
@@ -244,32 +251,44 @@ class LogReader:
                 elif record.opcode != Opcode.DATA_END:
                     crc = self._records.checksum(record, crc)
                     if record.opcode == Opcode.METADATA:
-                        self._inherit(record)
-                elif not self._faults:  # for the checksum would not match again
+                        self._compare_metadata(record)
+                elif self._fault is None:  # for the checksum would not match again
                     self._check_end(record, crc)
         except DamageError as error:
-            self._faults.append(error)
+            self._add_fault(error)
             self._stopped = True
 
     def _metadata(self, record: Record) -> Metadata:
         metadata: Metadata = Metadata.read(read_stream(self._records.body(record)))
         return metadata
 
-    def _inherit(self, record: Record) -> None:
-        """Take note of what was lost of the log that this is a part of; the checksum of the whole proves the record."""
-        with suppress(*DAMAGE):
-            lost = self._metadata(record).metadata.get(LOST)
-            if lost is not None:
-                told = f"part of a log that was {lost}"
-                self._inherited = Loss(
-                    self.path, record.offset, told, cut=False, places=1, read_to=None, inherited=True
-                )
+    def _compare_metadata(self, record: Record) -> None:
+        """Hold the records of the run against each other, and take note of what was lost of a log that this is part of.
+
+        The checksum of the whole proves a record.
+        """
+        try:
+            metadata = self._metadata(record)
+        except DAMAGE:
+            return
+        if metadata.name in _OF_THE_RUN:
+            try:
+                same = read_identity(metadata.metadata) == self.identity
+            except ValueError as error:
+                self.doubt(f"what it says of its run cannot be: {error}")
+                return
+            if not same:
+                self.doubt("what it says of its run at its start and at its end are not the same")
+        lost = metadata.metadata.get(LOST)
+        if lost is not None:
+            told = f"part of a log that was {lost}"
+            self._inherited = Loss(self.path, record.offset, told, cut=False, places=1, read_to=None, inherited=True)
 
     def _check_end(self, data_end: Record, crc: int) -> None:
         try:
             self._records.require_whole(data_end, crc)
         except DamageError as error:
-            self._faults.append(error)
+            self._add_fault(error)
 
     def _inner(self, data: bytes) -> Iterator[tuple[Source, int, bytes]]:
         """Yield the messages wanted among records without damage, and take note of the channels.
@@ -285,43 +304,30 @@ class LogReader:
             if end > size:
                 raise ValueError("a message ends outside its chunk")
             if opcode == Opcode.MESSAGE:
+                if length < _MESSAGE_HEAD.size:
+                    raise ValueError("a message is shorter than its head")
                 channel, _, log_time, _ = _MESSAGE_HEAD.unpack_from(data, offset)
                 if log_time > self._latest:
                     self._latest = log_time
-                if channel not in self._sources and channel not in self._others:
+                if not self._sources.knows(channel):
                     self._look_up(channel)
-                source = self._sources.get(channel)
+                source = self._sources.wanted(channel)
                 if source is not None:
                     yield source, log_time, data[offset + _MESSAGE_HEAD.size : end]
             elif opcode == Opcode.SCHEMA:
-                schema = Schema.read(read_stream(data[offset:end]))
-                self._schemas[schema.id] = schema.name
+                self._sources.add_schema(Schema.read(read_stream(data[offset:end])))
             elif opcode == Opcode.CHANNEL:
-                self._add_channel(Channel.read(read_stream(data[offset:end])))
+                self._sources.add_channel(Channel.read(read_stream(data[offset:end])))
+            else:
+                raise ValueError(f"a record of kind {opcode} is inside a chunk")
             offset = end
-
-    def _add_channel(self, channel: Channel) -> None:
-        if not self._wanted or any(f"{channel.topic}/".startswith(f"{topic}/") for topic in self._wanted):
-            self._sources[channel.id] = Source(channel.topic, message_type(self._schemas.get(channel.schema_id, "")))
-        else:
-            self._others.add(channel.id)
 
     def _look_up(self, channel: int) -> None:
         """Take note of the channels by the index at the end, for the chunk that told of this one was lost."""
         index = read_index(self.path, self._file)
-        self._schemas.update((schema.id, schema.name) for schema in index.schemas.values())
+        for schema in index.schemas.values():
+            self._sources.add_schema(schema)
         for told in index.channels.values():
-            self._add_channel(told)
+            self._sources.add_channel(told)
         if channel not in index.channels:
             raise ValueError("a message is of a topic that is told nowhere")
-
-
-@cache
-def message_type(schema: str) -> type[Message] | None:
-    """Return the type of messages of this full name; None for one that closecall does not write."""
-    package, _, name = schema.partition(".")
-    if package == "closecall" and name in pb.DESCRIPTOR.message_types_by_name:
-        return cast("type[Message]", getattr(pb, name))
-    if package == "foxglove" and name in _FOXGLOVE:
-        return cast("type[Message]", getattr(import_module(f"foxglove_schemas_protobuf.{name}_pb2"), name))
-    return None

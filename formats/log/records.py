@@ -13,15 +13,14 @@ from struct import Struct
 from struct import error as StructError  # noqa: N812
 from typing import IO
 
-import lz4.frame
 import zstandard
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Chunk, DataEnd
-from mcap.stream_reader import get_chunk_data_stream
 from mcap.writer import MCAP0_MAGIC
 
+from .compression import uncompressed
 from .errors import LogError
 
 RECORD_HEAD = Struct("<BQ")  # opcode, length
@@ -118,6 +117,16 @@ class RecordFile:
                 return
             offset = record.end
 
+    def at(self, offset: int) -> Record:
+        """Return the record that begins at a byte.
+
+        Raises:
+            DamageError: where there is none.
+        """
+        if not len(MCAP0_MAGIC) <= offset <= self.size:
+            raise DamageError(offset, "there is no record")
+        return self._head(offset)
+
     def body(self, record: Record) -> bytes:
         """Return what a record holds."""
         return self._bytes(record.body, record.length)
@@ -204,29 +213,10 @@ def chunk_content(body: bytes) -> bytes:
     size = chunk.uncompressed_size
     if size > MOST_CHUNK_BYTES:
         raise ValueError(f"a chunk of {size} bytes is too large")
-    if _declared_size(chunk) not in (None, size):
-        raise ValueError("a chunk's size is not what it says")
-    try:
-        stream, length = get_chunk_data_stream(chunk, validate_crc=True)
-    except ValueError as error:
-        raise ValueError("a chunk's checksum does not match") from error
-    except (RuntimeError, zstandard.ZstdError) as error:
-        raise ValueError("a chunk cannot be decompressed") from error
-    if length != size:
-        raise ValueError("a chunk's size is not what it says")
-    return stream.read(length)
-
-
-def _declared_size(chunk: Chunk) -> int | None:
-    """Return how many bytes a chunk's compressed frame says it has, which decompressors set aside; None if unsaid."""
-    if chunk.compression == "zstd":
-        size = zstandard.frame_content_size(chunk.data)
-        return None if size < 0 else size
-    if chunk.compression == "lz4":
-        return lz4.frame.get_frame_info(chunk.data)["content_size"] or None
-    if chunk.compression:
-        raise ValueError(f"a chunk is compressed by {chunk.compression[:20]!r}, which is not known")
-    return len(chunk.data)
+    data = uncompressed(chunk.compression, chunk.data, size)
+    if chunk.uncompressed_crc not in (0, zlib.crc32(data)):
+        raise ValueError("a chunk's checksum does not match")
+    return data
 
 
 def read_attachment_record(body: bytes) -> Attachment:

@@ -105,10 +105,7 @@ def gather(path: Path) -> Gathered:
     with LogReader(path) as log:
         gathering = _Gathering(log.identity, pairs)
         for source, log_time, message in log.facts(*_TOPICS):
-            try:
-                gathering.add(source.topic, message, log.identity.seconds(log_time))
-            except (LookupError, ValueError, OverflowError):
-                log.doubt("a message says what cannot be")
+            gathering.add(source.topic, message, log.identity.seconds(log_time))
         return Gathered(
             name=path.name,
             identity=log.identity,
@@ -183,9 +180,6 @@ class _Gathering:
             self.witnesses[row] = _point(message.witness_a), _point(message.witness_b)
 
     def _add_span(self, message: pb.Span) -> None:
-        verdict = pb.Span.Verdict.Name(message.verdict)
-        if not message.start <= message.end:
-            raise ValueError(f"a span that is {verdict} ends before it begins")
         row = self._row(message)
         if row is not None:
             self.tracks.add_span(row, (message.start, message.end, message.verdict, _bound(message.clearance)))

@@ -36,6 +36,9 @@ _STYLES = ("libraries.css", "style.css")
 _NEAR_MARGINS = 3.0
 _NEAR_LEAST = 3.0
 
+# m. Nearer to 0 powers of ten have no digits left.
+_LEAST = 1e-300
+
 
 def page(gathered: Gathered) -> str:
     """Return the page: the same log gives the same page."""
@@ -91,6 +94,7 @@ def opening(pairs: Sequence[PairSummary], start: float) -> tuple[int, float]:
 
 def _rounded(value: float) -> float:
     """Return a number > 0 as 1, 2 or 5 times a power of ten, which is exact for those from 1 on."""
+    value = max(value, _LEAST)
     power = floor(log10(value))
     first = next(digit for digit in (1, 2, 5, 10) if value <= digit * 10.0**power * (1.0 + 1e-9))
     return float(f"{first}e{power}")

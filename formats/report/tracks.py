@@ -124,7 +124,8 @@ class Tracks:
 
     def _part(self, times: FloatArray) -> Indices:
         """Return in which part of the run times are."""
-        return ((times - self._start) / self._length * self._parts).astype(np.int64)
+        within = np.clip((times - self._start) / self._length, -1.0, 2.0)
+        return (within * self._parts).astype(np.int64)
 
     def _extremes(self, points: FloatArray, highest: bool) -> Indices:
         """Return which points (n, 2) are the lowest of their part, or the highest if those are asked for."""

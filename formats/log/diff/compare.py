@@ -30,16 +30,18 @@ def compare(golden: Path, new: Path, rules: Rules, every_topic: bool = False) ->
     require_comparable(before, after, new, rules)
     _require_ignored(golden, new, before, after, rules.ignored.patterns)
     found = list(differences(before, after, rules))
+    losses = before.loss, after.loss
     if every_topic:
         with LogReader(golden) as one, LogReader(new) as other:
             found += TopicDiff(one, other, rules.tolerances, rules.ignored).differences()
+            losses = before.loss or one.loss, after.loss or other.loss
     names = {frozenset((pair["body_a"], pair["body_b"])): pair["pair"] for pair in after.summary["pairs"]}
     names |= {frozenset((pair["body_a"], pair["body_b"])): pair["pair"] for pair in before.summary["pairs"]}
     return Comparison(
         differences=tuple(found),
         pairs=tuple(name for name in names.values() if not rules.ignored.pair(name)),
         notes=tuple(notes(before, after)),
-        losses=tuple(loss for loss in (before.loss, after.loss) if loss is not None),
+        losses=tuple(loss for loss in losses if loss is not None),
     )
 
 

@@ -11,10 +11,10 @@ from math import isnan, nan
 from typing import Any
 
 from google.protobuf.descriptor import Descriptor, FieldDescriptor
-from google.protobuf.message import DecodeError
 
 from ..clock import NANOSECONDS_PER_SECOND
-from ..reader import LogReader, Source
+from ..reader import LogReader
+from ..sources import Source
 from .difference import Cause, Difference, Ignored, Tolerances
 
 # Messages of one log that wait for their like in the other: some hundred bytes each. The oldest are given up.
@@ -29,6 +29,7 @@ _NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 _VERSION = re.compile(r"^closecall \S+ runs ")
 
 _Key = tuple[str, str, int]  # topic, subject, step of time
+_Told = tuple[Source, int, bytes, Any]  # where from, ns since the epoch, the message as bytes and as itself
 
 
 @dataclass(slots=True)
@@ -48,7 +49,7 @@ class _Side:
     """One of the two logs, and its messages that wait for their like in the other."""
 
     cause: Cause
-    messages: Iterator[tuple[Source, int, bytes]]
+    messages: Iterator[_Told]
     waiting: dict[_Key, deque[tuple[int, bytes]]] = field(default_factory=dict)
     count: int = 0
 
@@ -71,7 +72,7 @@ class TopicDiff:
         golden, new = self._sides
         one, other = next(golden.messages, None), next(new.messages, None)
         while one is not None or other is not None:
-            if one is not None and other is not None and one[1:] == other[1:] and one[0].topic == other[0].topic:
+            if one is not None and other is not None and one[1:3] == other[1:3] and one[0].topic == other[0].topic:
                 one, other = next(golden.messages, None), next(new.messages, None)
             elif other is None or (one is not None and one[1] <= other[1]):
                 assert one is not None
@@ -86,24 +87,21 @@ class TopicDiff:
             told = tally.golden, tally.new, tally.change, tally.unit, tally.time
             yield Difference(cause, subject, *told, count=tally.count)
 
-    def _relative(self, log: LogReader) -> Iterator[tuple[Source, int, bytes]]:
-        """Yield a log's messages with their times since its epoch, ns."""
+    def _relative(self, log: LogReader) -> Iterator[_Told]:
+        """Yield a log's messages with their times since its epoch, those that say what cannot be left out."""
         epoch = log.identity.epoch
         wanted: dict[str, bool] = {}
         for source, log_time, data in log.messages():
             if source.topic not in wanted:
                 wanted[source.topic] = source.kind is not None and not self._ignored.topic(source.topic)
-            if wanted[source.topic]:
-                yield source, log_time - epoch, data
+            message = log.fact(source, log_time, data) if wanted[source.topic] else None
+            if message is not None:
+                yield source, log_time - epoch, data, message
 
-    def _take(self, message: tuple[Source, int, bytes], side: _Side, opposite: _Side) -> None:
+    def _take(self, told: _Told, side: _Side, opposite: _Side) -> None:
         """Compare a message with its like if that waits, else let it wait."""
-        source, time, data = message
+        source, time, data, decoded = told
         assert source.kind is not None
-        try:
-            decoded = source.kind.FromString(data)
-        except DecodeError:  # which the loss tells of
-            return
         subject = getattr(decoded, "pair", "") if source.topic != "/world" else ""
         subject = subject or getattr(decoded, "body", "")
         if self._ignored.patterns and "|" in subject and self._ignored.pair(subject):
@@ -167,8 +165,11 @@ class TopicDiff:
         golden, new = _VERSION.sub("", golden), _VERSION.sub("", new)
         if _NUMBER.sub("#", golden) != _NUMBER.sub("#", new):
             return False
-        numbers = zip(_NUMBER.findall(golden), _NUMBER.findall(new), strict=True)
-        return all(abs(float(a) - float(b)) <= self._tolerances.times(float(a)) for a, b in numbers)
+        numbers, new_numbers = _NUMBER.findall(golden), _NUMBER.findall(new)
+        pairs = zip(numbers, new_numbers, strict=False)
+        return len(numbers) == len(new_numbers) and all(
+            a == b or abs(float(a) - float(b)) <= self._tolerances.times(float(a)) for a, b in pairs
+        )
 
     def _tally(self, cause: Cause, subject: str, golden: Any, new: Any, change: float, unit: str, time: float) -> None:
         tally = self._tallies.get((cause, subject))
