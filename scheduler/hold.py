@@ -36,7 +36,8 @@ class Hold:
         best = self._while_balls_meet(touching, horizon)
         if best[0] < enough:
             best = _longer(best, self._while_deep(self._pair.depth(touching), touching, horizon))
-        if best[0] < enough and touching.inside is None and not self._pair.possible:
+        sound = touching.inside is None and not (self._pair.possible or self._pair.coarse)
+        if best[0] < enough and sound:
             best = _longer(best, self._while_overlapping(touching, horizon))
         if best[0] <= self._least:
             self._steps_left = STEPS_BETWEEN

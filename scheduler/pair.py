@@ -30,6 +30,10 @@ from .vector import Vector, norm, subtract, unit
 SPHERES_SUFFICE = 0.5
 #: How far ahead triangles are first looked at, in sleeps that the cheap bounds allow.
 FIRST_LOOKAHEAD = 4.0
+#: An error of measurement above so many m leaves it open whether bodies touch that are nearer than that,
+DOUBT = 1e-6
+#: but not below this share of both radii: that is what any two bodies of their size have.
+USUAL_SHARE = 1e-12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,6 +50,8 @@ class Measurement:
         proximity: the exact measurement in the ancestor's frame, None where spheres sufficed.
         inside: a point of one body inside a solid of the other (the ancestor's frame), None where there is none or
             nobody looked.
+        hidden: m, where a large error of measurement leaves it open whether they touch: how deep the bodies may be in
+            each other; inf where nobody knows. Else 0.
     """
 
     time: float
@@ -56,15 +62,19 @@ class Measurement:
     margin: float
     proximity: Proximity | None
     inside: Vector | None = None
+    hidden: float = 0.0
 
     @property
     def touching(self) -> bool:
-        """Whether the solids share a point, to within the error of measurement."""
-        return self.clearance <= 0.0 or self.inside is not None
+        """Whether the solids share a point: to within the error of measurement, or certainly where that is large."""
+        return (self.clearance <= 0.0 and self.hidden == 0.0) or self.inside is not None
 
     @property
     def standing(self) -> Verdict:
-        """CONTACT, BREACH (nearer than the margin, to within the error of measurement) or CLEAR, of the instant."""
+        """CONTACT, BREACH (nearer than the margin, to within the error of measurement) or CLEAR, of the instant.
+
+        What may touch for all that is known stands as a breach does: nearer than any margin.
+        """
         if self.touching:
             return Verdict.CONTACT
         return Verdict.BREACH if self.clearance <= self.margin else Verdict.CLEAR
@@ -85,6 +95,7 @@ class Pair:
         at_start: the same two at their start, where that is known though the paths are not.
         margin: m, nearer than which the pair is in breach.
         error: m, by which a measured distance may be wrong.
+        coarse: whether that is so large that bodies nearer than it only touch where they certainly overlap.
         lookahead: how many times as far ahead as the cheap bounds its triangles are looked at next.
     """
 
@@ -112,6 +123,7 @@ class Pair:
         self.start, self.end = scene.shared_time(key.a, key.b)
         self._a, self._b = measured
         self.error = motion.rounding((self.start, self.end)) + phase.error(self._a, self._b)
+        self.coarse = not self.possible and self.error > max(DOUBT, USUAL_SHARE * motion.radii)
         self._bodies = scene.bodies
         self._narrow_phase = phase
 
@@ -144,11 +156,22 @@ class Pair:
             proximity = self._narrow_phase.nearest(self._a, self._b, moments.a.pose, moments.b.pose)
         gap = proximity.distance - self.motion.spread(t)
         above = inf if self.possible else gap + self.error
-        return Measurement(t, moments, level, max(0.0, gap - self.error), above, self.margin, proximity)
+        hidden = 0.0
+        if self.coarse and gap <= self.error and self._overlap(moments) < self.error:
+            hidden = self.error if gap > 0.0 else inf
+        clearance = max(0.0, gap - self.error)
+        return Measurement(t, moments, level, clearance, above, self.margin, proximity, hidden=hidden)
+
+    def _overlap(self, moments: Moments) -> float:
+        """Return how deep (m) the bodies are in each other as measured, errors not taken off; 0 if unknown."""
+        deep = self._narrow_phase.depth(self._a, self._b, moments.a.pose, moments.b.pose)
+        one, other = self._inner_radii
+        apart = norm(subtract(moments.a.centre, moments.b.centre))
+        return max(deep, one + other - apart) if one > 0.0 and other > 0.0 else deep
 
     def look_inside(self, measurement: Measurement) -> Measurement:
         """Return the measurement with containment decided; needed wherever disjoint surfaces do not prove it."""
-        if measurement.touching or measurement.level is not Level.MESH:
+        if measurement.touching or measurement.hidden or measurement.level is not Level.MESH:
             return measurement
         moments = measurement.moments
         inside = self._narrow_phase.contained(self._a, self._b, moments.a.pose, moments.b.pose)
@@ -158,6 +181,7 @@ class Pair:
         """Return how far (m) touching bodies may get relative to each other and certainly still touch.
 
         What touches to within the error of measurement may get as far again: then it does to within three times that.
+        Not so where the error is large.
         """
         if measurement.inside is not None:
             return measurement.clearance
@@ -167,7 +191,8 @@ class Pair:
             depth = -proximity.distance
         else:
             depth = self._narrow_phase.depth(self._a, self._b, moments.a.pose, moments.b.pose)
-        return max(depth + self.motion.spread(measurement.time) - self.error, self.error)
+        least = 0.0 if self.coarse else self.error
+        return max(depth + self.motion.spread(measurement.time) - self.error, least)
 
     def slabs(self, measurement: Measurement, duration: float, beyond: float) -> Slabs | None:
         """Return the slabs between the bodies' triangles at a measurement, None where there are too many.
@@ -226,9 +251,14 @@ class Pair:
 
     def inner_balls(self) -> InnerBalls | None:
         """Return balls inside both bodies, of known path; None where the middle of a body's bounds is outside of it."""
-        chains = ((self._a, self.motion.a), (self._b, self.motion.b))
-        one, other = (self._narrow_phase.inner_radius(body, chain.ball.centre) for body, chain in chains)
+        one, other = self._inner_radii
         return InnerBalls(self.motion, one + other - self.error) if one > 0.0 and other > 0.0 else None
+
+    @cached_property
+    def _inner_radii(self) -> tuple[float, float]:
+        """The radii (m) of balls about the middles of both bodies' bounds that these hold, 0 without one."""
+        inner = self._narrow_phase.inner_radius
+        return inner(self._a, self.motion.a.ball.centre), inner(self._b, self.motion.b.ball.centre)
 
     def overlaps(self, measurement: Measurement, duration: float) -> Overlaps | None:
         """Return the overlaps of touching bodies' triangles, of some where there are many; None of far too many.

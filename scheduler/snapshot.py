@@ -84,7 +84,7 @@ def measured(
         return Nearness(pair.key, told.distance, verdict, told.witness_a, told.witness_b)
     a, b = pair.key.a, pair.key.b
     found = narrow_phase.nearest(a, b, poses[a], poses[b])
-    if pair.key.id in touching or found.distance <= pair.error:
+    if pair.key.id in touching or found.distance <= (0.0 if pair.coarse else pair.error):
         return Nearness(pair.key, 0.0, Verdict.CONTACT, found.witness_a, found.witness_b)
     verdict = Verdict.BREACH if found.distance < pair.margin else Verdict.CLEAR
     return Nearness(pair.key, found.distance, verdict, found.witness_a, found.witness_b)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from math import inf, nan, nextafter, ulp
 from typing import NamedTuple
 
@@ -74,7 +75,11 @@ class Watch:
             measurement, verdict, clearance, depth_limit = self._judge(known, measurement)
             if measurement.standing is not known.standing:
                 self._other = measurement
-            elif not self._takes_back(measurement.time - known.time, verdict, clearance):
+            elif (
+                known.hidden
+                or measurement.hidden
+                or not self._takes_back(measurement.time - known.time, verdict, clearance)
+            ):
                 yield from self._extend(known, measurement, verdict, clearance, depth_limit)
                 self._stand_at(measurement)
         self.clearance = 0.0 if measurement.touching else measurement.clearance
@@ -162,7 +167,8 @@ class Watch:
     def _stand_at(self, measurement: Measurement) -> None:
         """Take a measurement as the last one known."""
         self._known = measurement
-        self._outlook = None if measurement.touching else Outlook(self.pair, measurement, measurement.keeps)
+        seen = replace(measurement, proximity=None) if measurement.hidden else measurement  # no direction parts them
+        self._outlook = None if measurement.touching else Outlook(self.pair, seen, measurement.keeps)
 
     @property
     def _ahead(self) -> Outlook:
@@ -200,7 +206,7 @@ class Watch:
             measurement = self.pair.look_inside(measurement)
         else:
             proof = self._ahead.proof(measurement)
-            if proof.clearance <= 0.0:
+            if proof.clearance <= 0.0 or known.hidden:
                 measurement = self.pair.look_inside(measurement)
         return measurement, *self._verdict(known, measurement, proof)
 
@@ -211,11 +217,12 @@ class Watch:
         proved that nothing touches. Unresolved with a clearance is what grazes the margin, certainly without contact.
         """
         clear = known.standing is measurement.standing is Verdict.CLEAR
-        if clear and proof.clearance > known.margin:
+        hidden = max(known.hidden, measurement.hidden)
+        if (clear or hidden) and proof.clearance > known.margin:
             return Verdict.CLEAR, proof.clearance, 0.0
         if proof.clearance > 0.0:
             return (Verdict.UNRESOLVED if clear else Verdict.BREACH), proof.clearance, 0.0
-        return Verdict.UNRESOLVED, 0.0, proof.depth_limit
+        return Verdict.UNRESOLVED, 0.0, proof.depth_limit + hidden
 
     def _close_bracket(self) -> Iterator[Event]:
         """Tell the change of standing once its time is known to the tolerance."""

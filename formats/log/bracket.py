@@ -17,7 +17,10 @@ OPEN = {
 WIDE = {
     "unresolved": ("it is unresolved whether they touch", "try a finer --time-resolution"),
     "not sought": ("the run was not to look for it", "give --distance-tolerance a share"),
-    "error": ("distances between the two are no better known", "place them nearer to the frame that they share"),
+    "error": (
+        "distances between the two are no better known",
+        "place them nearer to the frame that they share, or time nearer to 0 (t0)",
+    ),
     "polyhedra": ("round shapes are measured as polyhedra around them", "use spheres and capsules, which are exact"),
     "search": ("more measurements are needed than a pair may take", "run shorter times, or raise --distance-tolerance"),
 }
@@ -65,7 +68,8 @@ class Least(NamedTuple):
         """
         known = self.upper < inf
         allowed = max((share or 0.0) * self.upper, LEAST_TOLERANCE) * _ROUNDING
-        tight = known and self.upper - self.lower <= allowed
+        open_by_error = self.lower <= 0.0 and "unresolved" in verdicts and self.measured <= self.error > LEAST_TOLERANCE
+        tight = known and self.upper - self.lower <= allowed and not open_by_error
         why: str | None = "unknown path" if "possible" in verdicts else "far"
         if known:
             why = None if tight else self._why(share, verdicts, allowed)
@@ -81,7 +85,7 @@ class Least(NamedTuple):
     def _why(self, share: float | None, verdicts: frozenset[str], allowed: float) -> str:
         """Return why the ends lie farther apart than allowed, m."""
         if self.lower <= 0.0 and "unresolved" in verdicts:
-            return "unresolved"
+            return "error" if self.measured <= self.error > LEAST_TOLERANCE else "unresolved"
         if share is None:
             return "not sought"
         left = self.measured - self.lower
