@@ -35,7 +35,7 @@ ADAPTIVE = {"uniform": 96, "scattered": 24, "ends": 40, "knots": 20, "minima": 3
 KINDS = {
     "missed contacts": ("touches at",),
     "false clearances": ("nearer than its clearance", "inside the margin", "clearance"),
-    "wrong minima": ("least distance", "told are", "not tight"),
+    "wrong minima": ("least distance", "told are", "apart at the least"),
 }
 """What a fault's line says of each kind; all else is "other"."""
 
