@@ -1,8 +1,8 @@
-"""What costs nothing where nothing happens: `python -m benchmarks.nothing`.
+"""The cost of keys and pictures where nothing happens: `python -m benchmarks.nothing`.
 
-Keys of a path far from everything else, and pictures of bodies that ignore each other. Prints how many times as often
-a pair wakes for a thousand times the keys, and how many times the CPU time of the certificate a full log takes, the
-middle of paired runs.
+The keys belong to a path far from everything else, the pictures to bodies that ignore each other. Prints how many
+times as often a pair wakes for a thousand times the keys, and how many times the CPU time of the certificate a full log
+takes, the middle of paired runs.
 """
 
 from __future__ import annotations

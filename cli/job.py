@@ -47,7 +47,7 @@ FEW_PAIRS = 1000
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """What a run found, what it warned of and noted, and the wall-clock seconds of its parts.
+    """The findings, warnings and notes of a run, and the wall-clock seconds of its parts.
 
     `schedule` is the loop with its measurements, of which `fcl` is a part, summed over all processes; `log` is writing.
     """

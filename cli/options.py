@@ -16,11 +16,10 @@ if TYPE_CHECKING:
 #: Verdicts that a run may be told to fail on.
 FINDINGS = ("contact", "breach", "unresolved", "possible")
 
-#: Hz, of snapshots, but for runs so short that fewer than so many would show no curve, or so long that more would be
-#: too many.
+#: Hz, of snapshots. Short runs take the least number, which still shows a curve; long runs take the most.
 USUAL_RATE = 30.0
 LEAST_SNAPSHOTS, MOST_SNAPSHOTS = 120, 36_000
-#: Snapshots beyond which a rate that is asked for is refused.
+#: More snapshots than this are refused, if --rate makes so many.
 MOST_ASKED = 1_000_000
 
 MOST_JOBS = 1024
@@ -115,7 +114,7 @@ class _FileName(click.Path):
         return super().convert(value, param, ctx)
 
 
-#: What is wrong with a file is told where it is read or written.
+#: Only the name is checked here; reading or writing checks the file.
 FILE_NAME = _FileName(path_type=Path, readable=False)
 _CHOICE_OPTIONS = (
     click.option("--topic", "topics", multiple=True, metavar="GLOB", help="Only such topics ('/spans', '/viz/*')."),

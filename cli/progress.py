@@ -1,4 +1,4 @@
-"""What a run is doing, on a terminal: the step, how far it is, and the time left of it. Nothing in a pipe."""
+"""The progress of a run, on a terminal: the step, its share done, and its time left. Nothing in a pipe."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from ..scheduler.events import Bound, Collision, Phase, Reason, Snapshot, Span, 
 
 ToldT = TypeVar("ToldT")
 
-#: s, at least, between two looks at how far it is: the bar costs nothing measurable.
+#: s, at least, between two updates of the bar: its CPU time is too short to measure.
 BETWEEN_UPDATES = 0.1
-#: A time left is told once so many seconds, and so large a share, of a step are done.
+#: The time left shows once so many seconds, and so large a share, of a step are done.
 LEAST_SECONDS, LEAST_SHARE = 1.0, 0.02
 #: On a terminal of fewer columns than this the bar, the scene's name and the counts are left out.
 NARROW = 60
@@ -29,7 +29,7 @@ NAME = 20
 
 
 class TimeLeft:
-    """The time left of a step, as what is done of it and how long that took tell; it never rises."""
+    """The time left of a step, from its share done and the time that took; it never rises."""
 
     def __init__(self, now: float) -> None:
         """Begin at `now`, s."""
@@ -49,7 +49,7 @@ class TimeLeft:
 
 
 class Names(NamedTuple):
-    """What the steps of a run are called."""
+    """The names of a run's steps."""
 
     certifying: str
     seeking: str
@@ -69,8 +69,8 @@ class Steps:
     pictures that are left are taken.
 
     Attributes:
-        step: what is being done.
-        share: how much of that is done, 0 to 1.
+        step: its name.
+        share: of the step that is done, 0 to 1.
     """
 
     def __init__(self, start: float, end: float, names: Names) -> None:
@@ -84,7 +84,7 @@ class Steps:
 
     @property
     def counts(self) -> str:
-        """What has been counted of the step, in words."""
+        """The counts of the step, in words."""
         if self.step == self._names.seeking:
             return f"{self._searched - len(self._open)} of {self._searched} pairs"
         counts = f"{self._latest:.3f} of {self._end:g} s"
@@ -187,7 +187,7 @@ def shown(events: Iterable[ToldT], start: float, end: float, title: str, names: 
 
 @contextmanager
 def shares_shown(title: str, quiet: bool) -> Iterator[Callable[[str, int, int], None]]:
-    """Lend a function that is told of what how many parts of how many are done; a bar shows it, likewise."""
+    """Lend a function of a step, its parts done and all its parts; a bar shows them, likewise."""
     if quiet:
         yield lambda step, done, of: None
         return

@@ -1,4 +1,4 @@
-"""What counts as inside a mesh: the solids that its skins bound, and which skins are cavities.
+"""The inside of a mesh: the solids that its skins bound, and which skins are cavities.
 
 The rule and its derivation: `docs/guarantees.md`, "What is inside a mesh".
 """
@@ -19,18 +19,18 @@ from .winding import winding_numbers
 
 #: Skins of more triangles in all than this are not searched for crossings before a point's place depends on it.
 MOST_SEARCHED = 300_000
-#: So many of the places where a skin meets itself are looked at, from all over it.
+#: Places where a skin meets itself, from all over it, that are examined at most.
 MOST_PLACES = 300
-#: So many pairs of triangles whose boxes meet are looked at.
+#: Pairs of triangles whose boxes meet that are examined at most.
 MOST_PAIRS = 4_000_000
-#: So many corners of a skin, from all over it, tell whether it lies inside another.
+#: Corners of a skin, from all over it, that decide whether it lies inside another.
 MOST_CORNERS = 64
 #: How far from such a place, in lengths of the smaller triangle, what lies around it is looked at.
 NEAR = (0.2, 1e-2, 1e-4)
 
 
 class UndecidedError(Exception):
-    """It cannot be told what is inside a mesh.
+    """No rule decides what is inside a mesh.
 
     Attributes:
         problem, remedy: in words.
@@ -44,7 +44,7 @@ class UndecidedError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Doubt:
-    """What reads as solid, though it may have been meant otherwise: in words, and two triangles where it shows."""
+    """A solid that may have been meant otherwise: why, in words, and two triangles where it shows."""
 
     problem: str
     triangles: tuple[int, int]
@@ -52,7 +52,7 @@ class Doubt:
 
 @dataclass(frozen=True, slots=True)
 class Enclosed:
-    """What a mesh encloses: its solids, the largest first, and what is doubtful about them."""
+    """The inside of a mesh: its solids, the largest first, and what is doubtful about them."""
 
     solids: tuple[Solid, ...]
     doubts: tuple[Doubt, ...]

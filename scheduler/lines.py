@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 from .rotation import FloatArray
 
-#: Of the coordinates: by how much places on a line may be wrong.
+#: By this share of the coordinates places on a line may be wrong.
 ROUNDING = 256.0 * 2.0**-52
-#: So many cells of the grid a triangle lies in, on the average, at most.
+#: Cells of the grid that a triangle lies in, on the average, at most.
 MOST_CELLS = 8
-#: So many directions lines are drawn along, each both ways.
+#: Directions of the lines, each both ways.
 DIRECTIONS = 13
-#: In search of the outside: so many bends a path has, and so many points are gone on from after each.
+#: In search of the outside: bends of a path, and points from which it goes on after each, at most.
 BENDS = 12
 FRONTIER = 256
 

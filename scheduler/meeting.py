@@ -12,9 +12,9 @@ from .scene import IntArray
 
 BoolArray = NDArray[np.bool_]
 
-#: So many neighbouring triangles share a box.
+#: Neighbouring triangles that share a box.
 GROUP = 4
-#: So many pairs of boxes are compared in one go.
+#: Pairs of boxes that are compared at once.
 BATCH = 1 << 18
 #: Into so many steps each axis is cut to put neighbours together; and how 20 bits are spread to every third one.
 STEPS = 2.0**20 - 1.0
@@ -25,9 +25,9 @@ SPREADS = (
     (4, 0x10C30C30C30C30C3),
     (2, 0x1249249249249249),
 )
-#: So many axes may part two triangles.
+#: Axes that may part two triangles.
 AXES = 17
-#: Of the coordinates about a pair's own corner, times an axis' length: by how much projections on it may be wrong.
+#: By this share of the coordinates about a pair's own corner, times an axis' length, projections on it may be wrong.
 ROUNDING = 64.0 * 2.0**-52
 
 

@@ -31,7 +31,7 @@ RESERVE = 1_000
 SHARES = tuple(0.05 * share for share in range(19, 0, -1))
 #: and the least one that is worth going through the stretches again.
 WORTH_A_SWEEP = 0.1
-#: So many stretches are gone through until it is asked anew what measurements allow.
+#: After so many stretches the goal is chosen again, by the measurements left.
 STRETCHES_BETWEEN = 16
 #: After so many, what is left of the whole is tried on only if it will hardly take more than there are.
 TRIAL = 500

@@ -73,7 +73,7 @@ class Measurement:
     def standing(self) -> Verdict:
         """CONTACT, BREACH (nearer than the margin, to within the error of measurement) or CLEAR, of the instant.
 
-        What may touch for all that is known stands as a breach does: nearer than any margin.
+        A pair that may touch, but not certainly, stands as in breach: nearer than any margin.
         """
         if self.touching:
             return Verdict.CONTACT

@@ -13,7 +13,8 @@ from .scene import Body
 class WorldPoses:
     """The poses of a scene's bodies.
 
-    What never moves is placed once; what flies without turning, and a generation's bodies, all at a time.
+    Bodies that never move are placed once. Those that fly without turning are placed together,
+    and so are the others of each generation.
     """
 
     def __init__(self, bodies: tuple[Body, ...]) -> None:

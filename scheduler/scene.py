@@ -21,7 +21,7 @@ ALWAYS: Interval = (-inf, inf)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Solid:
-    """What one closed skin of a mesh encloses, but for its cavities.
+    """The inside of one closed skin of a mesh, but for its cavities.
 
     Attributes:
         skin: (k, 3) vertex indices, normals outwards.

@@ -23,7 +23,7 @@ BoolArray = NDArray[np.bool_]
 
 #: rad: triangles around an edge that are nearer than this to each other are put in order by exact arithmetic.
 NEAR_ANGLES = 1e-6
-#: Of the tetrahedra between a skin and a point of the mesh: a volume this near to 0 may be of either sign.
+#: By this share of the tetrahedra between a skin and a point of the mesh its volume may be wrong: its sign is unknown.
 FLAT = 1e-12
 
 
@@ -37,7 +37,7 @@ class Skin:
         winding: 1 if the mesh's normals point out of the space, -1 if they point into it, 0 if some do.
         walls: the share of its triangles that also bound another space, if neither is of mixed orientation.
         volume: m^3, of the space with all that lies in it.
-        flat: whether that volume is 0, as far as rounding lets it be told.
+        flat: whether that volume is 0, as far as rounding shows.
         low, high: (3,) m, the box around it.
     """
 
@@ -92,7 +92,7 @@ def twins_of(triangles: IntArray) -> IntArray:
 def edges_of(vertices: FloatArray, triangles: IntArray) -> Edges:
     """Return where triangles (m, 3), each with three corners, join.
 
-    What is joined across edges of two triangles is a piece. At an edge of more, a piece that has it twice, or four
+    A piece is the triangles that join across edges of two. At an edge of more, a piece that has it twice, or four
     times, joins itself alone; the rest joins all together.
     """
     begins, ends = triangles.reshape(-1), np.roll(triangles, -1, axis=1).reshape(-1)

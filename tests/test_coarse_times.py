@@ -1,4 +1,4 @@
-"""Times so large that floats of them are coarse: the usual contact tolerance gives way, and this is said."""
+"""Times so large that floats of them are coarse: the default contact tolerance is coarser then, and notes say so."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is inside a mesh: outside is what joins to infinity, or lies in a cavity; what no rule can tell is refused."""
+"""The inside of a mesh: outside joins to infinity, or lies in a cavity; a mesh that no rule decides is refused."""
 
 from __future__ import annotations
 

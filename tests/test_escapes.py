@@ -25,7 +25,7 @@ EVIL_SEEN = r"\x1b[2J\x1b]0;owned\x07\x9b31m\x00\u202e\u2066\n\r\u2028\x85\t[red
 
 
 def renamed(name: str):
-    """Return a change of a log that calls the body `arm` otherwise, and what is told of it."""
+    """Return a change of a log that calls the body `arm` otherwise, and the words that tell of it."""
 
     def change(channel: Channel, message: Message) -> list[Message]:
         decoded = TYPES[channel.topic].FromString(message.data)

@@ -1,4 +1,4 @@
-"""Where distances may be wrong by much, touching is told where it is certain, and UNRESOLVED where it is not."""
+"""Where distances may be wrong by much, certain overlaps are CONTACT, and all else that may touch is UNRESOLVED."""
 
 from __future__ import annotations
 

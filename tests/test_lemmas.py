@@ -168,7 +168,7 @@ def test_balls_of_unknown_paths_grow_by_what_their_limits_allow():
 
 
 def test_the_lecture_looks_no_farther_than_the_next_knot():
-    """A body stands until its next key, however far ahead it is asked, and then goes fast."""
+    """A body stands until its next key, however long the sleep, and then goes fast."""
     rng = np.random.default_rng(4)
     for _ in range(CASES):
         times = np.cumsum(rng.uniform(0.1, 1.0, 3))
@@ -198,7 +198,7 @@ def test_what_turns_about_an_axis_stays_in_what_is_said_to_hold_it():
 
 
 def test_triangles_that_fly_at_each_other_close_their_slab_at_both_speeds():
-    """One above the other, each at a speed of its own and with a drift along the slab, which costs nothing."""
+    """One above the other, each at a speed of its own and with a drift along the slab, which does not close it."""
     rng = np.random.default_rng(6)
     flat = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
     for _ in range(CASES):

@@ -1,4 +1,4 @@
-"""Motions with many keys: far away they cost nothing, however many there are; and what is slept past them is sound."""
+"""Motions with many keys: far away they take no wakeups, however many there are; and sleeps past them are sound."""
 
 from __future__ import annotations
 

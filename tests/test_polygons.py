@@ -1,4 +1,4 @@
-"""Polygons are cut into triangles that cover them, and what a file's polygons leave open is told with its measure."""
+"""Polygons are cut into triangles that cover them; warnings tell by how far those of doubtful polygons are off."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a run shows of itself on a terminal: which step, how much of it is done, and a time left that is true."""
+"""The progress of a run on a terminal: which step, how much of it is done, and a time left that is true."""
 
 from __future__ import annotations
 

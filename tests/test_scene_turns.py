@@ -1,4 +1,4 @@
-"""Keys whose angles are written more than half a turn apart: slerp takes the shorter way, and the reader is told."""
+"""Keys whose angles are written more than half a turn apart: slerp takes the shorter way, and a warning says so."""
 
 from __future__ import annotations
 

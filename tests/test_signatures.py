@@ -1,4 +1,4 @@
-"""A file of another format where text is expected is told by its name, in one line, at every door."""
+"""Every reader of text names the format of another file in one line."""
 
 from __future__ import annotations
 

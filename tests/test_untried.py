@@ -46,7 +46,7 @@ class Drawn(NamedTuple):
 
 @pytest.fixture(scope="module")
 def drawn(tmp_path_factory: pytest.TempPathFactory) -> list[Drawn]:
-    """What the first seeds draw; their meshes and trajectories are written."""
+    """The draws of the first seeds; their meshes and trajectories are written."""
     folder = tmp_path_factory.mktemp("drawn")
     draws = [(random_scene, seed) for seed in range(SCENES)]
     draws += [(scene_of_pairs, FIRST_SEED + number) for number in range(SCENES_OF_PAIRS)]

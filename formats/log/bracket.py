@@ -1,4 +1,4 @@
-"""The least distance of a pair as it is told: whether it is known as well as promised, and why not."""
+"""The least distance of a pair in the summary: whether it is known as well as promised, and why not."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ _ROUNDING = 1.0 + 1e-9
 class DistanceRange(TypedDict):
     """A pair's least distance over the run, m: certified not below `lower`; `upper` measured at `time`, s.
 
-    `bracket` is "tight" where the two are as near to each other as the run was asked for, else "wide"; "open" where
-    nothing was measured. `why` says why it is not tight, `help` what would help where it is wide.
+    `bracket` is "tight" where the two are as near to each other as the run sought, else "wide"; "open" where nothing
+    was measured. `why` says why it is not tight, `help` what would help where it is wide.
     """
 
     lower: float
@@ -44,7 +44,7 @@ class DistanceRange(TypedDict):
 
 
 class Least(NamedTuple):
-    """What a run found of a pair's least distance, m.
+    """A pair's least distance as a run found it, m.
 
     Attributes:
         lower: certified.
@@ -60,7 +60,7 @@ class Least(NamedTuple):
     error: float
 
     def range(self, share: float | None, verdicts: frozenset[str]) -> DistanceRange:
-        """Return it as it is told.
+        """Return it as the summary has it.
 
         Args:
             share: of the least distance, how far its ends were to lie apart at most, None where it was not sought.

@@ -34,7 +34,7 @@ def seconds_told(time: float, digits: int = 6) -> str:
 def coarseness_told(tolerance: float, start: float, end: float) -> str:
     """Return why contacts are bracketed no finer than by `tolerance`, s, in times from start to end.
 
-    Empty where floats are fine enough for the usual tolerance, or a coarser one than they need was asked for.
+    Empty where floats are fine enough for the usual tolerance, or where the scene or an option sets a coarser one.
     """
     if not Settings().contact_tolerance < tolerance <= least_duration(start, end):
         return ""

@@ -1,4 +1,4 @@
-"""What a run warns of once it is done: distances that are hardly known."""
+"""The warnings of a run once it is done: distances that are hardly known."""
 
 from __future__ import annotations
 

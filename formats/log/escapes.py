@@ -14,7 +14,7 @@ _FORMULA = tuple("=+-@＝＋－＠'")
 
 
 def json_text(value: Any) -> str:
-    """Return a value as one line of JSON: UTF-8, but for what does not print, which is told by its number.
+    """Return a value as one line of JSON: UTF-8, but characters that do not print as their numbers.
 
     Raises:
         ValueError: for NaN and infinite numbers.

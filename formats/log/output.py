@@ -20,7 +20,7 @@ _FULL = frozenset((errno.ENOSPC, errno.EDQUOT, errno.EFBIG))
 
 
 class Kind(NamedTuple):
-    """What a file is that closecall writes: its name, and how all such files begin; an empty file is of every kind."""
+    """A kind of file that closecall writes: its name, and how all such files begin; an empty file is of every kind."""
 
     name: str
     beginnings: tuple[bytes, ...]

@@ -16,7 +16,7 @@ SMALLEST_SIZE = 1e-15
 """In the file's units. A size or a span of time below it is refused: its square or inverse would be lost."""
 
 SMALLEST_COORDINATE = 1e-60
-"""In the file's units. What is nearer to 0 in a mesh file is read as 0: at no scale does that move 1e-45 m.
+"""In the file's units. A mesh file's coordinates nearer to 0 are read as 0: no scale makes that more than 1e-45 m.
 
 The squares of smaller lengths would be lost. In the scene itself no number is read as 0 that is not.
 """

@@ -1,4 +1,4 @@
-"""What a file is that is not the text it should be, told by the bytes with which it begins."""
+"""The format of a file that is not the text it should be, from the bytes with which it begins."""
 
 from __future__ import annotations
 

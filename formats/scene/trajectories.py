@@ -179,7 +179,7 @@ def _kept(times: tuple[Decimal, ...], duplicates: Duplicates) -> IntArray:
 
 
 def _check_times(table: Table, lines_of_times: IntArray, kept: IntArray, max_gap: float | None, faults: Faults) -> None:
-    """Record where the times of the poses kept do not increase, are too near to be told apart, or leave a gap."""
+    """Record where the times of the poses kept do not increase, are too near to differ, or leave a gap."""
     times, lines = table.numbers[kept, 0], lines_of_times[kept].tolist()
     exact = [table.exact_times[index] for index in kept]
     steps = np.diff(times)

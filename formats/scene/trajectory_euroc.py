@@ -41,7 +41,7 @@ def read_euroc(data: bytes) -> Table:
 
 
 def _rows(data: bytes) -> Iterator[Row]:
-    """Yield the rows as they stand; a header before them is held against the layout."""
+    """Yield the rows as they stand; a header before them must be that of the layout."""
     begun = False
     for line, text in enumerate(text_lines(data), start=1):
         cells = [cell.strip() for cell in text.split(",")]

@@ -21,9 +21,9 @@ HEADERS = (
 
 
 def in_another_layout(draw: Draw, spec: dict[str, Any], clocks: list[int], poses: Poses) -> dict[str, Any]:
-    """Write some of the trajectory files that are drawn anew, of another layout or with more poses than times.
+    """Write some of the trajectory files again, of another layout or with more poses than times.
 
-    What is drawn here comes from a source of its own: all else of a seed stays as it is.
+    These draws come from a source of their own: all else of a seed stays as it is.
 
     Args:
         draw: the scene's.

@@ -1,6 +1,6 @@
-"""What a mesh encloses: its closed parts, each with the cavities that are cut from it.
+"""The inside of a mesh: its closed parts, each with the cavities that are cut from it.
 
-A part is what is joined across edges that exactly two triangles share. Of a closed one everything is inside that its
+A part is the triangles that join across edges that exactly two share. A closed part encloses everything that its
 triangles, turned alike, wind around. A part wound the other way that lies wholly inside another, smallest one is its
 cavity, unless that is a cavity itself. Equal triangles count once.
 """

@@ -29,7 +29,7 @@ def failed(spoil: Spoil, *tests: str) -> list[str]:
 
 
 def main(arguments: list[str]) -> int:
-    """Run what is asked for; return how many spoils nothing noticed."""
+    """Run the spoils that the arguments name; return how many nothing noticed."""
     if arguments == ["--table"]:
         print(table(), end="")
         return 0

@@ -156,7 +156,7 @@ class KeyframesMotion(PathMotion):
 
 
 class FileMotion(PathMotion):
-    """Poses at given times, from a file. What is certified is the path interpolated between them.
+    """Poses at given times, from a file. The path interpolated between them is certified.
 
     Lines of text in UTF-8; what follows a # is a remark. Poses map the body's coordinates into those of its rest frame.
     Axes stay as the file has them: those of KITTI's cameras are x right, y down, z forward.
