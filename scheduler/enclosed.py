@@ -27,6 +27,8 @@ MOST_PAIRS = 4_000_000
 MOST_CORNERS = 64
 #: How far from such a place, in lengths of the smaller triangle, what lies around it is looked at.
 NEAR = (0.2, 1e-2, 1e-4)
+#: How near it is looked at too, only to tell whether a skin crosses itself there or touches: it may do so by a hair.
+NEARER = (1e-6, 1e-8, 1e-10, 1e-12)
 
 
 class UndecidedError(Exception):
@@ -212,19 +214,20 @@ class _Rule:
         samples = self._samples(pairs)
         around = self._around(index)
         windings = around.windings(samples.reshape(-1, 3)).reshape(len(pairs), -1)
-        both = np.flatnonzero((windings < 0.0).any(axis=1))
+        around_it = windings[:, : samples.shape[1] * len(NEAR) // len(NEAR + NEARER)]
+        both = np.flatnonzero((around_it < 0.0).any(axis=1))
         if len(both):
             self._refuse_crossing(pairs[both[0]], "spaces that it winds around both ways")
-        if not (windings > 1.0).any():
+        if not ((windings > 1.0) | (windings < 0.0)).any():
             return len(pairs) < len(meetings)  # where it only touches itself it is as if it did not
-        place, which = np.nonzero(windings == 0.0)
+        place, which = np.nonzero(around_it == 0.0)
         closed = place[~around.open(samples[place, which])]
         if len(closed):
             self._refuse_crossing(pairs[closed[0]], "a space that it winds around not at all")
         return True
 
     def _samples(self, pairs: IntArray) -> FloatArray:
-        """Return points (k, samples, 3) m around where pairs of triangles meet, at several distances."""
+        """Return points (k, samples, 3) m around where pairs of triangles meet: at `NEAR`, then at `NEARER`."""
         one, other = (self._points[self._triangles[pairs[:, k]]] for k in range(2))
         middles = meeting_points(one, other)
         normals = []
@@ -234,7 +237,7 @@ class _Rule:
         a, b = normals
         ways = np.stack([a + b, a - b, -a + b, -a - b, a, -a, b, -b], axis=1)
         sizes = np.minimum(*(np.ptp(corners, axis=1).max(axis=1) for corners in (one, other)))
-        steps = np.concatenate([near * sizes[:, None, None] * ways for near in NEAR], axis=1)
+        steps = np.concatenate([near * sizes[:, None, None] * ways for near in NEAR + NEARER], axis=1)
         samples: FloatArray = middles[:, None] + steps
         return samples
 

@@ -227,19 +227,19 @@ def skins_of(vertices: FloatArray, triangles: IntArray, kept: IntArray, twins: I
     sources, sides, twins = kept[parting], sides[parting], twins[parting]
     if not len(sources):
         return []
-    corners = vertices[triangles[sources]]
-    corners = corners - corners[0, 0]
-    sixths = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0
-    sixths = np.concatenate((-sixths, sixths))  # as seen from the space in front, then from that behind
     looks = _renumbered(sides.T.reshape(-1))
     spaces = int(looks.max()) + 1
+    order = np.argsort(looks, kind="stable")
+    starts = np.searchsorted(looks[order], np.arange(spaces + 1))
+    corners = vertices[triangles[sources]]
+    origins = corners[order[starts[:-1]] % len(sources), 0]  # on each skin: from afar a small one is lost in rounding
+    front, back = (_sixths(corners - origins[own][:, None]) for own in np.split(looks, 2))
+    sixths = np.concatenate((-front, back))
     volumes, sizes = (np.bincount(looks, weights) for weights in (sixths, np.abs(sixths)))
     enclosed = volumes >= -FLAT * sizes  # both sides of a skin whose volumes cancel
     fronts, backs = (np.bincount(own, minlength=spaces) for own in np.split(looks, 2))
     plain = (volumes > FLAT * sizes) & ((fronts == 0) | (backs == 0))
     walled = np.logical_and(*np.split(plain[looks], 2))
-    order = np.argsort(looks, kind="stable")
-    starts = np.searchsorted(looks[order], np.arange(spaces + 1))
     columns = np.ascontiguousarray(vertices.T)
     found = []
     for space in np.flatnonzero(enclosed):
@@ -258,6 +258,12 @@ def skins_of(vertices: FloatArray, triangles: IntArray, kept: IntArray, twins: I
         volume, flat = float(volumes[space]), bool(volumes[space] <= FLAT * sizes[space])
         found.append(Skin(outward, sources[own], winding, float(walled[own].mean()), volume, flat, *box))
     return sorted(found, key=lambda skin: (-skin.volume, skin.sources[0]))
+
+
+def _sixths(corners: FloatArray) -> FloatArray:
+    """Return the volumes (m,) m^3 of the tetrahedra from the origin to triangles (m, 3, 3) m, by orientation."""
+    volumes: FloatArray = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0
+    return volumes
 
 
 def _renumbered(numbers: IntArray) -> IntArray:
