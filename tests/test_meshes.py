@@ -261,7 +261,7 @@ def test_doubtful_meshes_are_warned_of(tmp_path: Path) -> None:
     ("file", "phrase"),
     [
         ("none.obj", "none.obj: the file cannot be read: No such file"),
-        ("sub", "sub: files without suffix is not supported"),
+        ("sub", "sub: a file without suffix is not supported"),
         ("folder.obj", "folder.obj: expected a file"),
         (
             "t.step",

@@ -169,7 +169,7 @@ def meshes(file: str, units: str = "mm") -> str:
     [
         ("none.stl", "none.stl: the file cannot be read: No such file"),
         ("m.step", "m.step: .step is not supported by this version, expected .3mf, .glb, .obj, .off, .ply or .stl"),
-        ("m", "m: files without suffix is not supported by this version"),
+        ("m", "m: a file without suffix is not supported by this version"),
         ("folder.obj", "folder.obj: expected a file"),
         ("empty.obj", "empty.obj: "),
         ("points.obj", "points.obj: "),

@@ -127,7 +127,7 @@ class MeshFolder:
 def _content(path: Path) -> _Content | MeshError:
     reader = _READERS.get(path.suffix.lower())
     if reader is None:
-        kind = printable(path.suffix) or "files without suffix"
+        kind = printable(path.suffix) or "a file without suffix"
         return MeshError(f"{kind} is not supported by this version, expected {_SUFFIXES}")
     try:
         if path.exists() and not path.is_file():
