@@ -10,8 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cli_process import closecall_inside
+from rewritten_logs import rewrite
 
 from benchmarks.mechanisms import Mechanism, engine, geneva
+from closecall.formats.log import messages_pb2 as pb
 from closecall.scheduler import minimum
 from closecall.scheduler.round_solid import RoundSolid
 
@@ -104,6 +106,41 @@ def test_only_a_round_shape_that_is_near_widens_the_bracket_and_by_no_more_than_
     assert least - distance["lower"] <= stands_out + 0.01 * least
     assert distance["upper"] - least <= 0.01 * least + 1e-6
     assert (distance["bracket"], distance["why"]) == (("wide", "polyhedra") if stands_out else ("tight", None))
+
+
+BALLS = """closecall: 1
+units: {length: m, angle: deg}
+time: {start: 0, end: 0.5}
+bodies:
+  one: {shapes: [{ellipsoid: [1, 1, 1]}]}
+  other:
+    pose: {xyz: [2.02, 0.1, 0.05]}
+    shapes: [{ellipsoid: [1, 1, 1]}]
+    motion: {type: harmonic, direction: [0, 1, 0], amplitude: 0.01, period: 1}
+"""
+
+
+def older(channel, message):
+    """Leave out of a message what logs did not say before."""
+    kinds = {"/distances": (pb.Distance, "excess"), "/spans": (pb.Span, "error")}
+    if channel.topic in kinds:
+        kind, name = kinds[channel.topic]
+        said = kind.FromString(message.data)
+        said.ClearField(name)
+        message.data = said.SerializeToString()
+    return [message]
+
+
+def test_what_an_older_log_says_of_round_bodies_is_not_read_as_less_than_they_are_apart(tmp_path):
+    (tmp_path / "scene.yaml").write_text(BALLS)
+    closecall_inside("run", "scene.yaml", "-o", "new.mcap", "--log", "certificate", cwd=tmp_path)
+    rewrite(tmp_path / "new.mcap", tmp_path / "old.mcap", older, attachments=False)
+    apart = hypot(2.02, 0.1, 0.05) - 2.0
+    for log in ("new.mcap", "old.mcap"):
+        (pair,) = json.loads(closecall_inside("summary", log, "--json", cwd=tmp_path).stdout)["pairs"]
+        distance = pair["distance"]
+        assert distance["lower"] <= apart <= distance["upper"] <= apart + pair["chord_error"]
+        assert (distance["bracket"], distance["why"]) == ("wide", "polyhedra")
 
 
 def test_a_point_that_a_round_solid_holds_is_inside_by_its_own_equation():

@@ -130,13 +130,14 @@ class _PairFindings:
         verdict = SEVERITY[self.rank] if self.rank < len(SEVERITY) else Verdict.UNRESOLVED
         return verdict.name.lower()
 
-    def distance(self, share: float | None, verdicts: frozenset[str]) -> DistanceRange:
-        """Return the least distance; 0, which errs low, is the bound where no span gives a better.
+    def distance(self, share: float | None, verdicts: frozenset[str], chord_error: float) -> DistanceRange:
+        """Return the least distance, its ends sought as near as `share` (None: not); `lower` is 0 if no span says more.
 
-        `share` is how near to each other its ends were to be, None where it was not sought.
+        Older logs state neither an error nor an excess: round bodies may be apart by all of their chord error more.
         """
         lower = self.lower if isfinite(self.lower) else 0.0
-        return Least(lower, self.upper, self.upper_time, self.measured, self.error).range(share, verdicts)
+        upper = self.upper if self.error > 0.0 else self.upper + chord_error
+        return Least(lower, upper, self.upper_time, self.measured, self.error).range(share, verdicts)
 
 
 @dataclass(slots=True)
@@ -283,15 +284,16 @@ class SummaryBuilder:
         body_a, body_b = self._subject.name(key.a), self._subject.name(key.b)
         spans = {verdict: self._spans_of(key, verdict) for verdict in self._spans}
         verdicts = frozenset(verdict.name.lower() for verdict, times in spans.items() if times)
+        chord_error = self._subject.chord_error(key.a) + self._subject.chord_error(key.b)
         return {
             "pair": f"{body_a}|{body_b}",
             "body_a": body_a,
             "body_b": body_b,
             "verdict": findings.verdict(),
             "margin": self._subject.margin(key.a, key.b),
-            "distance": findings.distance(self._subject.settings.get("distance_tolerance"), verdicts),
+            "distance": findings.distance(self._subject.settings.get("distance_tolerance"), verdicts, chord_error),
             "error": findings.error,
-            "chord_error": self._subject.chord_error(key.a) + self._subject.chord_error(key.b),
+            "chord_error": chord_error,
             "contacts": self._contacts(key),
             "breaches": _as_one(spans[Verdict.BREACH], spans[Verdict.UNRESOLVED], self._subject.settings),
             "unresolved": spans[Verdict.UNRESOLVED],
