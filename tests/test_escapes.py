@@ -63,6 +63,12 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.fixture(autouse=True)
+def wide(monkeypatch):
+    """Keep each row in one line, whatever width another test has left."""
+    monkeypatch.setenv("COLUMNS", "1000")
+
+
 def said(folder: Path, *arguments: object, code: int = 0) -> str:
     """Run a command; return all that it says, of which every line prints."""
     done = closecall_inside(*arguments, cwd=folder)

@@ -10,7 +10,7 @@ from .summary import PairSummary
 
 
 def doubts(pairs: Sequence[PairSummary]) -> tuple[str, ...]:
-    """Return a warning of pairs whose distances may be wrong by more than 1e-6 m, or by all that they are apart."""
+    """Return a warning of pairs whose distances may be wrong by more than 1e-6 m, or by all that they stay apart."""
     doubted = [pair for pair in pairs if pair["error"] > LEAST_TOLERANCE or _hides_its_gap(pair)]
     if not doubted:
         return ()
@@ -21,6 +21,6 @@ def doubts(pairs: Sequence[PairSummary]) -> tuple[str, ...]:
 
 
 def _hides_its_gap(pair: PairSummary) -> bool:
-    """Tell whether a pair that was measured apart may touch for all that is known, by the error alone."""
+    """Tell whether a pair without a contact may touch for all that is known, by the error alone."""
     upper = pair["distance"]["upper"]
-    return upper is not None and 0.0 < upper <= pair["error"]
+    return pair["verdict"] != "contact" and upper is not None and 0.0 < upper <= pair["error"]
