@@ -192,7 +192,8 @@ def test_contacts_name_the_keys_that_each_body_is_between_where_they_begin():
 
 def test_the_upper_distance_of_round_bodies_is_what_was_measured_of_them_and_not_of_their_polyhedra():
     facts = (distance(FIRST, 5.0, 0.3, 0.02), distance(FIRST, 6.0, 0.305))
-    (pair,) = folded(span(FIRST, Verdict.CLEAR, 0.0, 10.0, 0.25), *facts, chord_errors=(0.01, 0.02, 0.04))["pairs"]
+    clear = span(FIRST, Verdict.CLEAR, 0.0, 10.0, 0.25, 1e-15)
+    (pair,) = folded(clear, *facts, chord_errors=(0.01, 0.02, 0.04))["pairs"]
     assert pair["chord_error"] == pytest.approx(0.03)
     told = pair["distance"]
     assert (told["lower"], told["upper"], told["time"]) == (0.25, 0.305, 6.0)
