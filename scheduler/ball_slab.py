@@ -142,7 +142,8 @@ class BallSlabs:
             wanted = duration - since + late if since < duration else 0.0
             slab: BallSlab | Stay = _slab_between(motion, error, moments, wanted, beyond)
             if MOST_SLABS * slab.horizon < wanted and slab.sleep(beyond) == slab.horizon:
-                slab = max(slab, _stay_of(motion, error, moments, wanted, beyond), key=lambda ahead: ahead.horizon)
+                stay = _stay_of(motion, error, moments, wanted, beyond)
+                slab = stay if stay.horizon > slab.horizon else slab
             self._stages.append(_Stage(since, late, wanted, kept, slab))
             if slab.horizon >= wanted or slab.sleep(beyond) < slab.horizon or self._are_many(since + slab.horizon):
                 return

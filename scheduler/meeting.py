@@ -131,7 +131,9 @@ def embedded_stars(corners: FloatArray, vertices: IntArray) -> BoolArray:
     lengths = np.linalg.norm(normals, axis=1)
     units: FloatArray = normals / np.where(lengths > 0.0, lengths, 1.0)[:, None]
     numbers, flat = np.unique(vertices.reshape(-1), return_inverse=True)
-    sums: FloatArray = np.stack([np.bincount(flat, np.repeat(units[:, k], 3), len(numbers)) for k in range(3)], axis=1)
+    sums: FloatArray = np.stack(
+        [np.bincount(flat, np.repeat(units[:, k], 3), len(numbers)).astype(np.float64) for k in range(3)], axis=1
+    )
     sums = sums / np.maximum(np.linalg.norm(sums, axis=1), 1e-300)[:, None]
     up = sums[flat].reshape(-1, 3, 3)
     good = np.einsum("mkj,mj->mk", up, units) > 1e-6

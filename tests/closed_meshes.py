@@ -1,5 +1,7 @@
 """Closed meshes for the tests of what is inside: boxes put together, turned inside out, joined by tubes."""
 
+# pyright: reportArgumentType=false
+
 from __future__ import annotations
 
 from collections.abc import Sequence

@@ -3,6 +3,8 @@
 Nothing here is closecall's own but the types of its messages, so that what it refuses to write can be written too.
 """
 
+# pyright: reportArgumentType=false, reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 import json

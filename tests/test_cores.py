@@ -1,5 +1,7 @@
 """The distance of triangles and meshes that lie as badly as can be: against exact rational arithmetic, brute force."""
 
+# pyright: reportArgumentType=false
+
 import numpy as np
 import pytest
 from exact_triangles import root, squared_distance

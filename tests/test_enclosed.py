@@ -1,5 +1,7 @@
 """The inside of a mesh: outside joins to infinity, or lies in a cavity; a mesh that no rule decides is refused."""
 
+# pyright: reportArgumentType=false, reportIndexIssue=false
+
 from __future__ import annotations
 
 from collections.abc import Sequence

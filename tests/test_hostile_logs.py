@@ -1,5 +1,7 @@
 """Logs that are put together well and say what cannot be: each fault is one line that names the log and the place."""
 
+# pyright: reportArgumentType=false
+
 from __future__ import annotations
 
 import json

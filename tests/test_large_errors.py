@@ -1,5 +1,7 @@
 """Where distances may be wrong by much, certain overlaps are CONTACT, and all else that may touch is UNRESOLVED."""
 
+# pyright: reportArgumentType=false
+
 from __future__ import annotations
 
 import json

@@ -4,6 +4,8 @@ The truth is a closed form, or dense samples of the bodies' own poses. `python -
 lemma on purpose and sees that a test objects.
 """
 
+# pyright: reportArgumentType=false, reportPossiblyUnboundVariable=false
+
 from math import asinh, hypot, inf, nextafter, pi
 
 import numpy as np

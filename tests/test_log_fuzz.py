@@ -4,6 +4,8 @@
 CLOSECALL_FUZZ_FIRST, 0 if that is not set.
 """
 
+# pyright: reportArgumentType=false
+
 from __future__ import annotations
 
 import csv

@@ -4,6 +4,8 @@ Lists of what there is come from the grammar and from the scheduler itself, so t
 somebody draws it.
 """
 
+# pyright: reportInvalidTypeForm=false
+
 from __future__ import annotations
 
 import csv

@@ -1,5 +1,7 @@
 """Changes of `MadeLog`, drawn by a seed: the log stays well formed, and says what cannot be."""
 
+# pyright: reportArgumentType=false
+
 from __future__ import annotations
 
 import json

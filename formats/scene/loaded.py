@@ -84,4 +84,6 @@ class LoadedScene:
     def warnings_by_name(self) -> tuple[str, ...]:
         """The warnings with the scene file's name alone: what a log holds does not rest on how its path was typed."""
         path, name = printable(str(self.path)), printable(self.path.name)
-        return tuple(name + warning.removeprefix(path) for warning in self.warnings)
+        return tuple(
+            name + warning.removeprefix(path) if warning.startswith(path) else warning for warning in self.warnings
+        )

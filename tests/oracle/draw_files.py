@@ -1,5 +1,7 @@
 """Trajectory files in the layouts of EuRoC and KITTI, and with several poses at one time."""
 
+# pyright: reportArgumentType=false
+
 from __future__ import annotations
 
 from typing import Any
