@@ -129,7 +129,7 @@ def clear_the_contact(log: Log) -> None:
 def raise_a_clearance(log: Log) -> None:
     """Say of the span around the first measured distance that the pair stays further apart than that."""
     one = next(one for one in log.of("distances") if one["distance"] > 0.0)
-    time = one["timestamp"] * 1e-9
+    time = (one["timestamp"] - EPOCH) * 1e-9
     span = next(span for span in log.by_pair("spans")[one["pair"]] if span["start"] <= time < span["end"])
     span["clearance"] = one["distance"] + 1e-5
 
@@ -163,7 +163,7 @@ SPOILED: list[tuple[Callable[[Log], None], str]] = [
 def test_a_spoiled_log_is_objected_to(eventful: tuple[Truth, Log], spoil: Callable[[Log], None], said: str) -> None:
     truth, log = eventful[0], deepcopy(eventful[1])
     spoil(log)
-    faults = check(truth, log)
+    faults = check(truth, log, epoch=EPOCH)
     assert any(said in fault for fault in faults), "\n".join(faults)
 
 
