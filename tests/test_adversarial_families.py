@@ -44,13 +44,13 @@ def faults_of(family: str, numbers: Iterable[int], folder: Path, effort: dict[st
 
 @pytest.mark.parametrize("family", FAMILIES)
 def test_the_log_of_an_adversarial_scene_is_true(family: str, tmp_path: Path) -> None:
-    faults = faults_of(family, range(2), tmp_path, QUICK)
+    faults = faults_of(family, range(1), tmp_path, QUICK)
     assert not faults, "\n".join(faults)
 
 
 @pytest.mark.parametrize("family", FAMILIES)
 def test_the_log_of_an_adversarial_scene_whose_pairs_come_and_go_is_true(family: str, tmp_path: Path) -> None:
-    faults = faults_of(family, range(2, 3), tmp_path, QUICK, "--broad-phase", "on")
+    faults = faults_of(family, range(1, 2), tmp_path, QUICK, "--broad-phase", "on")
     assert not faults, "\n".join(faults)
 
 

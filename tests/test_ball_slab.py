@@ -17,8 +17,8 @@ from closecall.scheduler.relative import Approach, RelativeMotion
 from closecall.scheduler.scene import Body
 from closecall.scheduler.vector import subtract
 
-CASES = 400
-PATHS = 100
+CASES = 150
+PATHS = 40
 SAMPLES = 40
 ROUNDING = 1e-9
 STEADY = Approach(0.0, 0.0, 10.0, (0.0, 0.0, 0.0), STILL)

@@ -50,7 +50,7 @@ from closecall.scheduler.windows import Sweeps, ToldWindows, Windows
 
 END = 3.0
 SETTINGS = Settings(margin=0.02)
-SEEDS = range(4)
+SEEDS = range(2)
 
 
 def at(place) -> np.ndarray:

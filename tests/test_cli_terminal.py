@@ -36,7 +36,7 @@ def on_a_terminal(*arguments: object, cwd: Path, columns: int = 80, **environmen
 
 
 def test_a_terminal_shows_progress_and_a_pipe_does_not(scene, tmp_path):
-    scene.write_text(long_scene().replace("1e-5", "1e-3"))
+    scene.write_text(long_scene().replace("1e-5", "4e-3"))
     shown = on_a_terminal("run", scene, "-o", "out.mcap", cwd=tmp_path)
     assert "of 5 s" in shown
     assert "wakeups" in shown

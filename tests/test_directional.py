@@ -14,7 +14,7 @@ from closecall.scheduler.nearby import NearTriangles
 from closecall.scheduler.relative import Approach, RelativeMotion
 from oracle.triangles import separation
 
-CASES = 50
+CASES = 30
 SAMPLES = 30
 ROUNDING = 1e-12
 

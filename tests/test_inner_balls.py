@@ -22,7 +22,7 @@ from closecall.scheduler.relative import RelativeMotion
 from closecall.scheduler.scene import Body, Mesh, PairRules, Scene, Shape
 
 O = (0.0, 0.0, 0.0)  # noqa: E741
-PATHS = 300
+PATHS = 100
 SAMPLES = 60
 ROUNDING = 1e-9
 

@@ -161,7 +161,7 @@ def test_what_seemed_to_graze_its_margin_and_kept_it_is_clear():
     """A ball on an orbit of 0.02 m at 5000 rad/s comes as near as 0.0525 m, and the margin is 0.05 m."""
     orbit = Orbit((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), 0.02, 5000.0, 0.0, False)
     other = ball("other", 0.1, (0.02 + 0.2 + 0.0525, 0.0, 0.0), Harmonic((0.0, 1.0, 0.0), 1e-4, 1.0, 0.0))
-    events = events_of(ball("orbits", 0.1, O, orbit), other, end=0.5, settings=Settings(margin=0.05))
+    events = events_of(ball("orbits", 0.1, O, orbit), other, end=0.1, settings=Settings(margin=0.05))
     for event in events:
         if isinstance(event, Span) and event.clearance > 0.05:
             assert event.verdict is Verdict.CLEAR

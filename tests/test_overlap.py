@@ -19,7 +19,7 @@ from closecall.scheduler.relative import Approach, RelativeMotion
 from closecall.scheduler.scene import Body
 from oracle.triangles import separation
 
-CASES = 400
+CASES = 120
 SAMPLES = 20
 ROUNDING = 1e-12
 

@@ -18,7 +18,7 @@ from closecall.scheduler.scene import Body, PairRules, Scene
 from closecall.scheduler.slab import Points, Slab
 from oracle.gjk import distances
 
-CASES = 150
+CASES = 50
 SAMPLES = 20
 ROUNDING = 1e-9
 
