@@ -1,14 +1,11 @@
 """Closed meshes for the tests of what is inside: boxes put together, turned inside out, joined by tubes."""
 
-# pyright: reportArgumentType=false
-
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from closecall.formats.scene.shapes import box_mesh
 
@@ -16,14 +13,14 @@ Raw = tuple[NDArray[np.float64], NDArray[np.int64]]
 """Vertices (n, 3) and triangles (m, 3)."""
 
 
-def box(low: Sequence[float], high: Sequence[float], inwards: bool = False) -> Raw:
+def box(low: ArrayLike, high: ArrayLike, inwards: bool = False) -> Raw:
     """Return the box between two corners."""
     unit = box_mesh(1.0, 1.0, 1.0)
     corners = np.where(unit.vertices > 0.0, np.array(high, dtype=float), np.array(low, dtype=float))
     return corners, unit.triangles[:, ::-1] if inwards else unit.triangles
 
 
-def cube(half: float, middle: Sequence[float] = (0.0, 0.0, 0.0), inwards: bool = False) -> Raw:
+def cube(half: float, middle: ArrayLike = (0.0, 0.0, 0.0), inwards: bool = False) -> Raw:
     """Return the cube of this half edge about a point."""
     centre = np.array(middle, dtype=float)
     return box(centre - half, centre + half, inwards)
@@ -43,7 +40,7 @@ def turned(mesh: Raw, which: slice | NDArray[np.bool_] = slice(None)) -> Raw:
     return mesh[0], triangles
 
 
-def moved(mesh: Raw, rotation: NDArray[np.float64], shift: Sequence[float]) -> Raw:
+def moved(mesh: Raw, rotation: NDArray[np.float64], shift: ArrayLike) -> Raw:
     """Return the mesh turned and moved."""
     return mesh[0] @ rotation.T + np.array(shift), mesh[1]
 
@@ -59,7 +56,7 @@ def tube(*rings: NDArray[np.float64]) -> Raw:
     return np.vstack(rings), np.array(triangles)
 
 
-def joined_boxes(shift: Sequence[float], inwards: bool) -> Raw:
+def joined_boxes(shift: ArrayLike, inwards: bool) -> Raw:
     """Return the cube of half edge 1 and the same cube moved, joined by a tube over both into one consistent part.
 
     The tube bends as a handle does; with `inwards` it does not, so that it turns inside out on its way and the second

@@ -3,8 +3,6 @@
 Nothing here is closecall's own but the types of its messages, so that what it refuses to write can be written too.
 """
 
-# pyright: reportArgumentType=false, reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import json
@@ -16,9 +14,19 @@ from typing import Any
 
 import lz4.frame
 import zstandard
+from foxglove_schemas_protobuf.CubePrimitive_pb2 import CubePrimitive
+from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
+from foxglove_schemas_protobuf.LinePrimitive_pb2 import LinePrimitive
 from foxglove_schemas_protobuf.Log_pb2 import Log
+from foxglove_schemas_protobuf.Point3_pb2 import Point3
+from foxglove_schemas_protobuf.Pose_pb2 import Pose
+from foxglove_schemas_protobuf.Quaternion_pb2 import Quaternion
+from foxglove_schemas_protobuf.SceneEntity_pb2 import SceneEntity
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
+from foxglove_schemas_protobuf.SpherePrimitive_pb2 import SpherePrimitive
+from foxglove_schemas_protobuf.TriangleListPrimitive_pb2 import TriangleListPrimitive
+from foxglove_schemas_protobuf.Vector3_pb2 import Vector3
 from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
 from mcap.records import (
@@ -238,14 +246,15 @@ def _facts(rng: Random, epoch: int) -> list[Fact]:
             add("/spans", last, pb.Span(**pair, **span))
             if verdict == 3:
                 touch = {"time_clear": first, "time_touching": first, "kind": 1, "point": {"x": 1.0}}
-                add("/collisions", first, pb.Collision(**pair, phase=1, key_before_a="home", **touch))
+                begin, finish = pb.Collision.Phase.BEGIN, pb.Collision.Phase.END
+                add("/collisions", first, pb.Collision(**pair, phase=begin, key_before_a="home", **touch))
                 over = {"time_clear": last, "time_touching": last, "kind": 1, "point": {"y": -1.0}}
-                add("/collisions", last, pb.Collision(**pair, phase=2, **over))
+                add("/collisions", last, pb.Collision(**pair, phase=finish, **over))
         for time in times:
             woken = {"reason": rng.randrange(1, 10), "level": rng.randrange(1, 4), "bound": "lecture"}
             add("/wakeups", time, pb.Wakeup(**pair, clearance=rng.uniform(0.0, 3.0), sleep=0.25, **woken))
             measured = pb.Distance(**pair, distance=rng.uniform(2.0, 3.0), witness_a={"x": 1.0}, witness_b={"y": -2.0})
-            measured.feature_a.kind = 1
+            measured.feature_a.kind = pb.Feature.VERTEX
             add("/distances/arm" if a == 0 and rank % 2 else "/distances", time, measured)
     for name in NAMES:
         box = {"box_min": {"x": -1.0}, "box_max": {"x": 1.0, "y": 1.0, "z": 1.0}}
@@ -253,22 +262,22 @@ def _facts(rng: Random, epoch: int) -> list[Fact]:
     for tick in range(4):
         near = [{"pair": "arm|wall", "distance": 0.5, "verdict": "CLEAR"}]
         add("/world", tick, pb.World(min_distance=0.5, pair="arm|wall", contacts=0, pairs=near))
-        frame = {"parent_frame_id": "world", "child_frame_id": "arm"}
-        frames = FrameTransforms(transforms=[{**frame, "translation": {"x": tick / 2}, "rotation": {"w": 1.0}}])
-        facts.append(Fact("/tf", epoch + tick * 10**9, frames))
-        line = {"points": [{"x": 0.0}, {"x": 1.0}]}
-        shown = SceneUpdate(entities=[{"id": "arm|wall", "frame_id": "world", "lines": [line]}])
+        place, turn = Vector3(x=tick / 2), Quaternion(w=1.0)
+        frame = FrameTransform(parent_frame_id="world", child_frame_id="arm", translation=place, rotation=turn)
+        facts.append(Fact("/tf", epoch + tick * 10**9, FrameTransforms(transforms=[frame])))
+        line = LinePrimitive(points=[Point3(x=0.0), Point3(x=1.0)])
+        shown = SceneUpdate(entities=[SceneEntity(id="arm|wall", frame_id="world", lines=[line])])
         facts.append(Fact("/viz/clearance", epoch + tick * 10**9, shown))
     facts += [Fact("/scene/meshes", epoch, _bodies()), Fact("/scene/boxes", epoch, _bodies())]
-    add("/log", START, Log(level=3, message="arm: a warning", name="closecall"))
+    add("/log", START, Log(level=Log.WARNING, message="arm: a warning", name="closecall"))
     return facts
 
 
 def _bodies() -> SceneUpdate:
-    pose = {"position": {"x": 1.0}, "orientation": {"w": 1.0}}
-    size = {"x": 1.0, "y": 1.0, "z": 1.0}
-    mesh = {"pose": pose, "points": [{"x": 0.0}, {"x": 1.0}, {"y": 1.0}], "indices": [0, 1, 2]}
-    arm = {"id": "arm", "frame_id": "arm", "triangles": [mesh]}
-    wall = {"id": "wall", "frame_id": "world", "cubes": [{"pose": pose, "size": size}]}
-    ball = {"id": "ball", "frame_id": "world", "spheres": [{"pose": pose, "size": size}]}
+    pose = Pose(position=Vector3(x=1.0), orientation=Quaternion(w=1.0))
+    size = Vector3(x=1.0, y=1.0, z=1.0)
+    mesh = TriangleListPrimitive(pose=pose, points=[Point3(x=0.0), Point3(x=1.0), Point3(y=1.0)], indices=[0, 1, 2])
+    arm = SceneEntity(id="arm", frame_id="arm", triangles=[mesh])
+    wall = SceneEntity(id="wall", frame_id="world", cubes=[CubePrimitive(pose=pose, size=size)])
+    ball = SceneEntity(id="ball", frame_id="world", spheres=[SpherePrimitive(pose=pose, size=size)])
     return SceneUpdate(entities=[arm, wall, ball])

@@ -1,7 +1,5 @@
 """The distance of triangles and meshes that lie as badly as can be: against exact rational arithmetic, brute force."""
 
-# pyright: reportArgumentType=false
-
 import numpy as np
 import pytest
 from exact_triangles import root, squared_distance
@@ -132,7 +130,7 @@ def test_faces_a_trillionth_to_a_hundred_millionth_of_their_size_apart_do_not_me
             pose[:3, 3] *= scale
         phase = phase_of(mesh, mesh)
         found = phase.nearest(0, 1, *poses)
-        placing = 8.0 * np.finfo(float).eps * np.linalg.norm(poses[1][:3, 3])
+        placing = 8.0 * UNIT * float(np.linalg.norm(poses[1][:3, 3]))
         assert abs(found.distance - gap * scale) <= phase.error(0, 1) + placing
         assert np.linalg.norm(np.subtract(found.witness_a, found.witness_b)) == pytest.approx(
             found.distance, abs=phase.error(0, 1) + placing

@@ -1,7 +1,5 @@
 """The inside of a mesh: outside joins to infinity, or lies in a cavity; a mesh that no rule decides is refused."""
 
-# pyright: reportArgumentType=false, reportIndexIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Sequence
@@ -34,7 +32,7 @@ POT = together(
 """A room of six slabs."""
 
 
-def inside(mesh: Raw, points: Sequence[Sequence[float]]) -> list[bool]:
+def inside(mesh: Raw, points: Sequence[Sequence[float]] | NDArray[np.floating]) -> list[bool]:
     """Tell which points are inside a mesh as closecall reads it."""
     vertices, triangles = mesh
     solids = enclosed_by(vertices, triangles).solids
@@ -418,7 +416,7 @@ def test_of_boxes_put_together_at_random_every_point_is_in_a_box_and_in_no_cavit
         decided += 1
         cavity = np.zeros(4, dtype=bool)
         expected = np.zeros(len(places), dtype=bool)
-        held = ((places[:, None] > lows) & (places[:, None] < highs)).all(axis=2)
+        held = np.all((places[:, None] > lows) & (places[:, None] < highs), axis=2)
         hosts = [
             [h for h in range(k) if (lows[h] < lows[k]).all() and (highs[h] > highs[k]).all()][-1:] for k in range(4)
         ]

@@ -1,7 +1,5 @@
 """Logs that are put together well and say what cannot be: each fault is one line that names the log and the place."""
 
-# pyright: reportArgumentType=false
-
 from __future__ import annotations
 
 import json
@@ -108,8 +106,8 @@ def test_what_it_says_of_its_run_at_its_end_is_what_it_says_at_its_start(tmp_pat
 def test_a_topic_of_another_type_is_told_by_every_command(tmp_path, topic):
     log = sound_log(Random(2))
     for told in (
-        ("closecall.Point", *("protobuf",) * 2),
-        ("", *("protobuf",) * 2),
+        ("closecall.Point", "protobuf", "protobuf"),
+        ("", "protobuf", "protobuf"),
         (SCHEMAS[topic], "protobuf", "json"),
     ):
         log.schemas[topic] = told

@@ -1,7 +1,5 @@
 """Where distances may be wrong by much, certain overlaps are CONTACT, and all else that may touch is UNRESOLVED."""
 
-# pyright: reportArgumentType=false
-
 from __future__ import annotations
 
 import json
@@ -129,6 +127,7 @@ def test_what_a_large_error_hides_is_never_clear_while_it_stands_still():
 def test_errors_that_bodies_of_their_size_always_have_leave_what_rests_in_contact():
     for size in (1e-6, 1.0, 1e9):
         floor = body("floor", box(size, size, size), (0.0, 0.0, 0.0), Fixed())
-        rests = body("rests", box(size, size, size), (0.0, 0.0, size), Constant((0.1 * size, 0.0, 0.0), (0.0,) * 3))
+        slides = Constant((0.1 * size, 0.0, 0.0), (0.0, 0.0, 0.0))
+        rests = body("rests", box(size, size, size), (0.0, 0.0, size), slides)
         verdicts = {event.verdict for event in events_of(floor, rests, end=1.0) if isinstance(event, Span)}
         assert verdicts == {Verdict.CONTACT}

@@ -4,8 +4,6 @@ The truth is a closed form, or dense samples of the bodies' own poses. `python -
 lemma on purpose and sees that a test objects.
 """
 
-# pyright: reportArgumentType=false, reportPossiblyUnboundVariable=false
-
 from math import asinh, hypot, inf, nextafter, pi
 
 import numpy as np
@@ -90,7 +88,7 @@ def test_no_two_points_get_farther_than_the_lecture_says():
     for _ in range(CASES):
         course = RandomCourse(rng)
         near = course.motion.approach(course.moments, course.duration)
-        starts = points_at(course.motion, course.t)
+        starts, truth = points_at(course.motion, course.t), 0.0
         for s in np.linspace(0.0, near.horizon, 20)[1:].tolist():
             moved = [now - start for now, start in zip(points_at(course.motion, course.t + s), starts, strict=True)]
             truth = farthest(*moved)
@@ -199,15 +197,18 @@ def test_what_turns_about_an_axis_stays_in_what_is_said_to_hold_it():
             assert truth * (1.0 - ROUNDING) <= held.reach(direction) <= 2.0 * truth + ROUNDING
 
 
+def drifting(rng, speed: float) -> Twist:
+    """Return a motion at this speed (m/s) along z, with a drift across it and a spin about it."""
+    return Twist(O, vector((*rng.normal(size=2), speed)), (0.0, 0.0, float(rng.normal())))
+
+
 def test_triangles_that_fly_at_each_other_close_their_slab_at_both_speeds():
     """One above the other, each at a speed of its own and with a drift along the slab, which does not close it."""
     rng = np.random.default_rng(6)
     flat = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
     for _ in range(CASES):
         gap, (up, down) = float(rng.uniform(0.1, 2.0)), rng.uniform(0.1, 3.0, 2).tolist()
-        twists = tuple(
-            Twist(O, vector((*rng.normal(size=2), speed)), (0.0, 0.0, float(rng.normal()))) for speed in (up, -down)
-        )
+        twists = drifting(rng, up), drifting(rng, -down)
         triangles = NearTriangles(flat[None], flat[None] + [0.0, 0.0, gap], np.zeros(1))
         slabs = Slabs(triangles, twists, (0.0, 0.0, 1.0), 0.0, inf, Approach(0.0, 0.0, 100.0, O, STANDING), 0.0)
         truth = gap / (up + down)

@@ -4,8 +4,6 @@
 CLOSECALL_FUZZ_FIRST, 0 if that is not set.
 """
 
-# pyright: reportArgumentType=false
-
 from __future__ import annotations
 
 import csv
@@ -95,7 +93,7 @@ def check_written(name: str, done: CompletedProcess[str]) -> None:
     if Path("report.html").exists():
         assert "<script>alert" not in Path("report.html").read_text()
     if name.startswith("extract, ") and Path("part.mcap").exists():
-        again = closecall_inside("summary", "part.mcap", "--json", cwd=".")
+        again = closecall_inside("summary", "part.mcap", "--json", cwd=Path())
         assert again.returncode == done.returncode, again.stderr
     for path in ("tables", "report.html", "part.mcap", "file", "junit.xml"):
         rmtree(path) if Path(path).is_dir() else Path(path).unlink(missing_ok=True)

@@ -1,7 +1,5 @@
 """Changes of `MadeLog`, drawn by a seed: the log stays well formed, and says what cannot be."""
 
-# pyright: reportArgumentType=false
-
 from __future__ import annotations
 
 import json
@@ -74,7 +72,7 @@ def change_field(log: MadeLog, rng: Random) -> None:
             break
         message = inner
     if isinstance(getattr(message, field.name, None), float | int | str | bool):
-        setattr(message, field.name, _other(field, rng))
+        setattr(message, field.name, _other(field.cpp_type, rng))
 
 
 def _resize(values: Any, rng: Random) -> None:
@@ -89,8 +87,8 @@ def _resize(values: Any, rng: Random) -> None:
         values.extend(list(values) * rng.choice((1, 50)))
 
 
-def _other(field: FieldDescriptor, rng: Random) -> Any:
-    match field.cpp_type:
+def _other(cpp_type: int, rng: Random) -> Any:
+    match cpp_type:
         case FieldDescriptor.CPPTYPE_DOUBLE | FieldDescriptor.CPPTYPE_FLOAT:
             return rng.choice(FLOATS)
         case FieldDescriptor.CPPTYPE_STRING:

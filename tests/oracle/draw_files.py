@@ -1,7 +1,5 @@
 """Trajectory files in the layouts of EuRoC and KITTI, and with several poses at one time."""
 
-# pyright: reportArgumentType=false
-
 from __future__ import annotations
 
 from typing import Any
@@ -96,5 +94,5 @@ def by_period(draw: Draw, spec: dict[str, Any], clocks: list[int], rows: list[st
     period = -((clocks[0] - clocks[-1]) // steps)
     first = float(spec.get("t0", 0.0)) + (clocks[0] * TICK if spec.get("time_origin") == "zero" else 0.0)
     out = {key: value for key, value in spec.items() if key != "t0"} | {"period": period * TICK}
-    write(draw, out["file"], rows)
+    write(draw, spec["file"], rows)
     return out | {"t0": first} if first else out
