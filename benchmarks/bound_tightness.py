@@ -17,9 +17,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from closecall.scheduler.bounds import longest_sleep, time_bound
-from closecall.scheduler.chain import Chain, Joint, Moment, Part
-from closecall.scheduler.extent import Ball, Extent
+from closecall.scheduler.bounds.closed_form import longest_sleep, time_bound
+from closecall.scheduler.kinematics.chain import Chain, Joint, Moment, Part
+from closecall.scheduler.model.extent import Ball, Extent
 from closecall.scheduler.motions import Motion
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))

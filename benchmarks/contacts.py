@@ -20,10 +20,10 @@ import numpy as np
 import trimesh
 
 from closecall.formats.scene.reader import read_scene
-from closecall.scheduler.events import Bound, Level, PairKey, Reason, Span, Verdict, Wakeup
-from closecall.scheduler.hold import Hold
-from closecall.scheduler.narrow_phase import NarrowPhase
-from closecall.scheduler.pairing import pairs_that_might_collide
+from closecall.scheduler.model.events import Bound, Level, PairKey, Reason, Span, Verdict, Wakeup
+from closecall.scheduler.narrow.narrow_phase import NarrowPhase
+from closecall.scheduler.pairs.contact import Hold
+from closecall.scheduler.pairs.pair_factory import pairs_that_might_collide
 from closecall.scheduler.run import run
 
 from .scene_file import write_scene_file

@@ -21,7 +21,7 @@ import numpy as np
 
 from closecall.formats.log.writer import LogOptions, LogWriter
 from closecall.formats.scene.loaded import LoadedScene
-from closecall.scheduler.events import (
+from closecall.scheduler.model.events import (
     Bound,
     Collision,
     ContactKind,
@@ -36,7 +36,7 @@ from closecall.scheduler.events import (
     Verdict,
     Wakeup,
 )
-from closecall.scheduler.scene import Body, PairRules, Scene, Settings, pair_id
+from closecall.scheduler.model.scene import Body, PairRules, Scene, Settings, pair_id
 
 _END = 100.0  # s
 _FACE = Feature(FeatureKind.FACE, 0, 0, 0)

@@ -23,14 +23,14 @@ import numpy as np
 
 from closecall.cli.rate import snapshot_rate
 from closecall.formats.scene.reader import read_scene
-from closecall.scheduler.events import Level, Reason, Span, Verdict, Wakeup
-from closecall.scheduler.instants import observed, snapshot_times
-from closecall.scheduler.narrow_phase import NarrowPhase
-from closecall.scheduler.pairing import Pairing
-from closecall.scheduler.proximity import Proximity
+from closecall.scheduler.model.events import Level, Reason, Span, Verdict, Wakeup
+from closecall.scheduler.model.scene import Body
+from closecall.scheduler.narrow.closest_points import Proximity
+from closecall.scheduler.narrow.narrow_phase import NarrowPhase
+from closecall.scheduler.pairs.pair_factory import Pairing
 from closecall.scheduler.run import run
-from closecall.scheduler.scene import Body
-from closecall.scheduler.snapshot import Observer
+from closecall.scheduler.snapshots.schedule import observed, snapshot_times
+from closecall.scheduler.snapshots.snapshot import Observer
 
 from .peers import STEP, fcl_model
 from .rocks import Rocks

@@ -13,11 +13,11 @@ from pathlib import Path
 
 import numpy as np
 
-from closecall.scheduler import placed
+from closecall.scheduler.model.scene import Body, Mesh, Shape
 from closecall.scheduler.motions import Fixed
-from closecall.scheduler.narrow_phase import DISTANCE_ERROR, NarrowPhase
-from closecall.scheduler.scene import Body, Mesh, Shape
-from closecall.scheduler.sliver import EPSILON, NORMAL_ERROR, THINNEST
+from closecall.scheduler.narrow import fcl_shape as placed
+from closecall.scheduler.narrow.narrow_phase import DISTANCE_ERROR, NarrowPhase
+from closecall.scheduler.narrow.slivers import EPSILON, NORMAL_ERROR, THINNEST
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
 from oracle.triangles import separation

@@ -18,9 +18,9 @@ from tempfile import TemporaryDirectory
 from time import thread_time
 
 from closecall.formats.scene.reader import read_scene
-from closecall.scheduler.events import Wakeup
-from closecall.scheduler.narrow_phase import NarrowPhase
-from closecall.scheduler.pairing import Pairing
+from closecall.scheduler.model.events import Wakeup
+from closecall.scheduler.narrow.narrow_phase import NarrowPhase
+from closecall.scheduler.pairs.pair_factory import Pairing
 from closecall.scheduler.run import run as scheduled
 
 from .rocks import Rocks

@@ -24,7 +24,7 @@ from closecall.formats.log.writer import LogOptions, LogWriter
 from closecall.formats.report.gathering import gather
 from closecall.formats.report.page import page
 from closecall.formats.scene.loaded import LoadedScene
-from closecall.scheduler.events import (
+from closecall.scheduler.model.events import (
     Bound,
     Collision,
     ContactKind,
@@ -40,7 +40,7 @@ from closecall.scheduler.events import (
     Verdict,
     Wakeup,
 )
-from closecall.scheduler.scene import Settings
+from closecall.scheduler.model.scene import Settings
 
 BODIES = 142
 LOOKS = 48

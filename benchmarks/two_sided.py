@@ -13,10 +13,12 @@ from pathlib import Path
 from unittest.mock import patch
 
 from closecall.formats.scene.reader import read_scene
-from closecall.scheduler.events import Level, Span, Verdict, Wakeup
-from closecall.scheduler.narrow_phase import NarrowPhase
-from closecall.scheduler.pairing import pairs_that_might_collide
-from closecall.scheduler.relative import Moments, Proof, RelativeMotion
+from closecall.scheduler.bounds import motion_bound
+from closecall.scheduler.bounds.motion_bound import Proof
+from closecall.scheduler.kinematics.relative_motion import Moments, RelativeMotion
+from closecall.scheduler.model.events import Level, Span, Verdict, Wakeup
+from closecall.scheduler.narrow.narrow_phase import NarrowPhase
+from closecall.scheduler.pairs.pair_factory import pairs_that_might_collide
 from closecall.scheduler.run import run
 
 SAMPLES = sorted((Path(__file__).parents[1] / "sample_scenes").glob("*/scene.yaml"))
@@ -28,13 +30,13 @@ def counted(scene: Path, both: bool) -> tuple[int, int, float]:
     narrow_phase = NarrowPhase(loaded.scene.bodies)
     exact = wakeups = 0
     time: Counter[Verdict] = Counter()
-    whole = RelativeMotion.proof
+    whole = motion_bound.proof
 
-    def one_sided(self: RelativeMotion, moments: Moments, before: float, duration: float, after: float) -> Proof:
-        found = whole(self, moments, before, duration, -inf)
-        return Proof(found.clearance, whole(self, moments, before, duration, after).depth_limit)
+    def one_sided(motion: RelativeMotion, moments: Moments, before: float, duration: float, after: float) -> Proof:
+        found = whole(motion, moments, before, duration, -inf)
+        return Proof(found.clearance, whole(motion, moments, before, duration, after).depth_limit)
 
-    with patch.object(RelativeMotion, "proof", whole if both else one_sided):
+    with patch.object(motion_bound, "proof", whole if both else one_sided):
         pairs = pairs_that_might_collide(loaded.scene, narrow_phase, loaded.settings.margin)
         for event in run(pairs, loaded.settings):
             if isinstance(event, Wakeup):

@@ -19,12 +19,12 @@ import trimesh
 from closecall.formats.log.viewer.viewer import Viewer, ViewerOptions
 from closecall.formats.log.writer import LogOptions, LogWriter
 from closecall.formats.scene.loaded import LoadedScene
-from closecall.scheduler.events import Snapshot
-from closecall.scheduler.instants import tick_times
+from closecall.scheduler.model.events import Snapshot
+from closecall.scheduler.model.scene import Body, Mesh, PairRules, Scene, Settings, Shape
+from closecall.scheduler.model.world_poses import WorldPoses
 from closecall.scheduler.motions import Constant
-from closecall.scheduler.poses import WorldPoses
-from closecall.scheduler.scene import Body, Mesh, PairRules, Scene, Settings, Shape
-from closecall.scheduler.snapshot import existing
+from closecall.scheduler.snapshots.schedule import tick_times
+from closecall.scheduler.snapshots.snapshot import existing
 
 SECONDS = 5.0
 

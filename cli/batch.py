@@ -11,8 +11,8 @@ from pathlib import Path
 import click
 
 from ..formats.log.errors import LogError
-from ..formats.log.ranking import VERDICTS
-from ..formats.scene.errors import SceneError
+from ..formats.log.severity import VERDICTS
+from ..formats.scene.text.errors import SceneError
 from .faults import WorkerError, faults_reported, report
 from .job import Result, run_job
 from .options import RunOptions

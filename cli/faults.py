@@ -60,9 +60,9 @@ def faults_reported(output: Path | None = None) -> Iterator[None]:
     Args:
         output: the log under way, whose partial file an interrupted user is told of.
     """
+    from ..formats.log.container.pipe import ClosedPipeError
     from ..formats.log.errors import DamagedLogError, LogError
-    from ..formats.log.pipe import ClosedPipeError
-    from ..formats.scene.errors import SceneError
+    from ..formats.scene.text.errors import SceneError
 
     signal.signal(signal.SIGTERM, _terminate)
     try:
@@ -94,7 +94,7 @@ def exit_code_of(*losses: Loss | None, otherwise: int = 0) -> int:
 def report(fault: Exception, output: Path | None) -> None:
     """Print a fault on stderr, a line each where there are several, and where the log is that it cut short."""
     from ..formats.log.errors import LogError
-    from ..formats.scene.errors import SceneError
+    from ..formats.scene.text.errors import SceneError
 
     if isinstance(fault, SceneError):
         for line in fault.lines:

@@ -11,27 +11,27 @@ from time import perf_counter
 
 import click
 
-from ..formats.log.chunks import Compression
+from ..formats.log.container.chunks import Compression
 from ..formats.log.doubts import doubts
 from ..formats.log.summary import Summary
 from ..formats.log.viewer.pictures import Picture
 from ..formats.log.viewer.viewer import ViewerOptions
 from ..formats.log.writer import LogOptions, LogWriter, Topics
-from ..formats.scene.errors import SceneError, WarnedError, counted, whole_file
 from ..formats.scene.loaded import LoadedScene
 from ..formats.scene.reader import read_scene
-from ..scheduler.broad_phase import BroadPhase
-from ..scheduler.counting import count_pairs
-from ..scheduler.crowd import Crowd
-from ..scheduler.events import Event
-from ..scheduler.instants import observed, snapshot_times
-from ..scheduler.narrow_phase import NarrowPhase
-from ..scheduler.packing import Work
-from ..scheduler.pairing import Pairing
+from ..formats.scene.text.errors import SceneError, WarnedError, counted, whole_file
+from ..scheduler.broad.active_pairs import Crowd
+from ..scheduler.broad.broad_phase import BroadPhase
+from ..scheduler.broad.windows import Sweeps
+from ..scheduler.model.events import Event
+from ..scheduler.model.pair_count import count_pairs
+from ..scheduler.model.scene import Scene, Settings, least_duration
+from ..scheduler.narrow.narrow_phase import NarrowPhase
+from ..scheduler.pairs.pair_factory import Pairing
+from ..scheduler.parallel.merge import merged, observer_of
+from ..scheduler.parallel.transport import Work
 from ..scheduler.run import run
-from ..scheduler.scene import Scene, Settings, least_duration
-from ..scheduler.streams import merged, observer_of
-from ..scheduler.windows import Sweeps
+from ..scheduler.snapshots.schedule import observed, snapshot_times
 from .faults import raise_interrupts
 from .options import RunOptions
 from .progress import HERE, TOLD, shares_shown, shown

@@ -13,7 +13,7 @@ import click
 
 from closecall import __version__
 
-from .completion import VARIABLE
+from .commands.completion import VARIABLE
 from .faults import end_at_interrupts, report_misuse
 
 COMMANDS = {
@@ -48,7 +48,7 @@ class LazyGroup(click.Group):
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """Return the command that the words name; of an unknown one say which it may have been."""
-        from ..formats.scene.errors import quoted, suggestion
+        from ..formats.scene.text.errors import quoted, suggestion
 
         name = args[0]
         if name not in COMMANDS and not name.startswith("-") and not ctx.resilient_parsing:

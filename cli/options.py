@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 import click
 
 if TYPE_CHECKING:
-    from ..formats.log.choice import Choice
+    from ..formats.log.message_filter import Choice
 
 #: Verdicts that a run may be told to fail on.
 FINDINGS = ("contact", "breach", "unresolved", "possible")
@@ -240,7 +240,7 @@ def choice_of(topics: tuple[str, ...], pairs: tuple[str, ...], start: float | No
     Raises:
         click.BadParameter: for an interval that ends before it begins.
     """
-    from ..formats.log.choice import Choice
+    from ..formats.log.message_filter import Choice
 
     low, high = -inf if start is None else start, inf if end is None else end
     if not low <= high:

@@ -13,8 +13,8 @@ from rich.progress import BarColumn, Progress, TextColumn
 from rich.table import Column
 
 from ..formats.log.viewer.pictures import Picture
-from ..formats.scene.errors import printable
-from ..scheduler.events import Bound, Collision, Phase, Reason, Snapshot, Span, Wakeup
+from ..formats.scene.text.errors import printable
+from ..scheduler.model.events import Bound, Collision, Phase, Reason, Snapshot, Span, Wakeup
 
 ToldT = TypeVar("ToldT")
 

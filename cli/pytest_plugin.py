@@ -94,9 +94,9 @@ class Golden:
         import click
 
         from ..formats.log.errors import LogError
-        from ..formats.scene.errors import SceneError
+        from ..formats.scene.text.errors import SceneError
+        from .commands.run import options_of
         from .job import run_job
-        from .run import options_of
 
         try:
             run_job(scene, log, options_of(scene, log, [*_GOLDEN_OPTIONS, *options]))

@@ -9,10 +9,10 @@ from typing import IO, Any, NamedTuple
 
 from ..formats.log.viewer.pictures import Picture, pictures
 from ..formats.log.viewer.viewer import ViewerOptions
-from ..scheduler.instants import Instant, Taken, instants
-from ..scheduler.packing import Work, packed, unpacked_stream
-from ..scheduler.share import shares_of
-from ..scheduler.streams import Stream, packed_ticks, stream, told_in_order, windows_of
+from ..scheduler.model.share import shares_of
+from ..scheduler.parallel.merge import Stream, packed_ticks, stream, told_in_order, windows_of
+from ..scheduler.parallel.transport import Work, packed, unpacked_stream
+from ..scheduler.snapshots.schedule import Instant, Taken, instants
 from .faults import WorkerError
 from .workers import Team, team_of
 

@@ -14,12 +14,12 @@ from rich.table import Table
 from rich.text import Text
 
 from ..formats.log.bracket import promised, why_wide
-from ..formats.log.clock import coarseness_told, seconds_told
+from ..formats.log.container.clock import coarseness_told, seconds_told
 from ..formats.log.diff.wording import between
-from ..formats.log.escapes import json_text
-from ..formats.log.ranking import VERDICTS, badness, nearness
+from ..formats.log.severity import VERDICTS, badness, nearness
 from ..formats.log.summary import PairSummary, Summary
-from ..formats.scene.errors import counted, printable
+from ..formats.log.tables.escapes import json_text
+from ..formats.scene.text.errors import counted, printable
 from .terminal import cell, say
 
 #: Rows of the table for people.

@@ -13,7 +13,7 @@ from rich.table import Table
 
 from ..formats.log.diff.difference import Cause, Comparison, Difference, by_size
 from ..formats.log.diff.wording import place, sentence, told
-from ..formats.scene.errors import counted
+from ..formats.scene.text.errors import counted
 from .show import console_for
 from .terminal import cell
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..formats.scene.errors import printable
+from ..formats.scene.text.errors import printable
 
 if TYPE_CHECKING:
     from rich.text import Text

@@ -10,14 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from ..formats.log.clock import coarseness_told
-from ..formats.scene.errors import counted
+from ..formats.log.container.clock import coarseness_told
 from ..formats.scene.loaded import LoadedScene
-from ..scheduler.counting import count_pairs
+from ..formats.scene.text.errors import counted
+from ..scheduler.geometry.arrays import IntArray
+from ..scheduler.model.pair_count import count_pairs
+from ..scheduler.model.scene import Body, Mesh, Scene
 from ..scheduler.motions import Ballistic, Delayed, Keyframes, Looped
-from ..scheduler.pair import Pair
-from ..scheduler.pairing import ignored_pairs
-from ..scheduler.scene import Body, IntArray, Mesh, Scene
+from ..scheduler.pairs.pair import Pair
+from ..scheduler.pairs.pair_factory import ignored_pairs
 from .show import console_for, print_rows
 from .terminal import cell, say
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Generator, Iterable
 
-from .crowd import Crowd
-from .events import Bound, Event, Reason, Wakeup
-from .heap import WakeupQueue
-from .pair import Pair
-from .scene import Settings
-from .watch import Watch
+from .broad.active_pairs import Crowd
+from .model.events import Bound, Event, Reason, Wakeup
+from .model.scene import Settings
+from .pairs.monitor import Watch
+from .pairs.pair import Pair
+from .queue import WakeupQueue
 
 
 def run(

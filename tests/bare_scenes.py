@@ -10,7 +10,7 @@ from typing import Any, cast
 import numpy as np
 
 from closecall.formats.scene.loaded import InputFile, LoadedScene
-from closecall.scheduler.scene import Body, PairRules, Scene, Settings
+from closecall.scheduler.model.scene import Body, PairRules, Scene, Settings
 
 
 def loaded(

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from closecall.formats.scene.shapes import box_mesh
+from closecall.formats.scene.build.primitive_meshes import box_mesh
 
 Raw = tuple[NDArray[np.float64], NDArray[np.int64]]
 """Vertices (n, 3) and triangles (m, 3)."""

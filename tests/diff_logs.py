@@ -12,9 +12,9 @@ import trimesh
 from mcap.records import Channel, Message
 from rewritten_logs import Change
 
+from closecall.cli.commands.run import options_of
 from closecall.cli.job import run_job
-from closecall.cli.run import options_of
-from closecall.formats.log.checks import TYPES
+from closecall.formats.log.container.checks import TYPES
 
 SCENE = """\
 closecall: 1

@@ -5,8 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from closecall.scheduler.chain import Chain, Joint
-from closecall.scheduler.extent import Ball, Extent
+from closecall.scheduler.geometry.vector import Vector
+from closecall.scheduler.kinematics.chain import Chain, Joint
+from closecall.scheduler.kinematics.relative_motion import RelativeMotion
+from closecall.scheduler.model.extent import Ball, Extent
 from closecall.scheduler.motions import (
     Ballistic,
     Constant,
@@ -23,8 +25,6 @@ from closecall.scheduler.motions import (
     Swing,
     Translation,
 )
-from closecall.scheduler.relative import RelativeMotion
-from closecall.scheduler.vector import Vector
 from oracle.rigid import rotations
 
 EPSILON = float(np.finfo(float).eps)

@@ -3,9 +3,9 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from closecall.scheduler.model.scene import Body, Mesh, Shape
 from closecall.scheduler.motions import Fixed
-from closecall.scheduler.narrow_phase import NarrowPhase
-from closecall.scheduler.scene import Body, Mesh, Shape
+from closecall.scheduler.narrow.narrow_phase import NarrowPhase
 from oracle.triangles import separation
 
 EYE = np.eye(4)

@@ -10,9 +10,9 @@ import numpy as np
 
 from closecall.formats.log.writer import LogOptions, LogWriter
 from closecall.formats.scene.loaded import LoadedScene
-from closecall.scheduler.events import Bound, Level, PairKey, Reason, Span, Verdict, Wakeup
+from closecall.scheduler.model.events import Bound, Level, PairKey, Reason, Span, Verdict, Wakeup
+from closecall.scheduler.model.scene import Body, PairRules, Scene, Settings
 from closecall.scheduler.motions import Constant
-from closecall.scheduler.scene import Body, PairRules, Scene, Settings
 
 HOSTILE = (
     "</script><script>window.hacked = 1</script>",

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from closecall.formats.scene.errors import SceneError
 from closecall.formats.scene.loaded import LoadedScene
 from closecall.formats.scene.reader import read_scene
+from closecall.formats.scene.text.errors import SceneError
+from closecall.scheduler.model.scene import Body
 from closecall.scheduler.motions import Motion
-from closecall.scheduler.scene import Body
 
 HEAD = "closecall: 1\nunits: {length: mm, angle: deg}\ntime: {start: 0, end: 1}\n"
 """Three lines: what follows begins in line 4."""

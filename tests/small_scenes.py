@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from closecall.scheduler.events import Event
-from closecall.scheduler.narrow_phase import POINT, NarrowPhase
-from closecall.scheduler.pairing import pairs_that_might_collide
+from closecall.scheduler.model.events import Event
+from closecall.scheduler.model.scene import Body, Mesh, PairRules, Scene, Settings, Shape
+from closecall.scheduler.narrow.narrow_phase import POINT, NarrowPhase
+from closecall.scheduler.pairs.pair_factory import pairs_that_might_collide
 from closecall.scheduler.run import run
-from closecall.scheduler.scene import Body, Mesh, PairRules, Scene, Settings, Shape
 
 HERE = np.eye(4)
 

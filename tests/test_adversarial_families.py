@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 from test_random_scenes import DEEP, QUICK, logged
 
-from closecall.formats.scene.errors import SceneError
 from closecall.formats.scene.reader import read_scene
+from closecall.formats.scene.text.errors import SceneError
 from oracle.check import check_log
 from oracle.families import FAMILIES, write_family
 from oracle.families.wound import joined_boxes

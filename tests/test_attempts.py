@@ -1,6 +1,6 @@
 """Tries that fail grow rare, and come back when one pays."""
 
-from closecall.scheduler.attempts import MOST_PASSED, Attempts
+from closecall.scheduler.pairs.backoff import MOST_PASSED, Attempts
 
 
 def passed_until_due(attempts: Attempts) -> int:

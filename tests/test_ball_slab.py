@@ -7,15 +7,15 @@ import pytest
 from drawn_motions import CONTINUOUS, RandomCourse, random_chain, random_unit, vector
 from small_scenes import box, events_of
 
-from closecall.scheduler.ball_slab import MOST_SLABS, BallSlab, BallSlabs
-from closecall.scheduler.chain import Chain, Joint, Part
-from closecall.scheduler.events import Bound, Span, Wakeup
-from closecall.scheduler.extent import Ball, Extent
+from closecall.scheduler.bounds.sphere_slabs import MOST_SLABS, BallSlab, BallSlabs
+from closecall.scheduler.geometry.vector import subtract
+from closecall.scheduler.kinematics.chain import Chain, Joint, Part
+from closecall.scheduler.kinematics.relative_motion import Approach, RelativeMotion
+from closecall.scheduler.model.events import Bound, Span, Wakeup
+from closecall.scheduler.model.extent import Ball, Extent
+from closecall.scheduler.model.scene import Body
 from closecall.scheduler.motions import Constant, Fixed, Keyframes, Translation
-from closecall.scheduler.motions.spread import STILL, Spread, ball
-from closecall.scheduler.relative import Approach, RelativeMotion
-from closecall.scheduler.scene import Body
-from closecall.scheduler.vector import subtract
+from closecall.scheduler.motions.acceleration_set import STILL, Spread, ball
 
 CASES = 150
 PATHS = 40

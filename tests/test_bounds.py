@@ -6,7 +6,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from closecall.scheduler.bounds import longest_sleep, shortened, time_bound, two_sided_clearance
+from closecall.scheduler.bounds.closed_form import longest_sleep, time_bound, two_sided_clearance
+from closecall.scheduler.geometry.rounding import shortened
 
 
 @pytest.mark.parametrize(

@@ -14,8 +14,8 @@ from rewritten_logs import rewrite
 
 from benchmarks.mechanisms import Mechanism, engine, geneva
 from closecall.formats.log import messages_pb2 as pb
-from closecall.scheduler import minimum
-from closecall.scheduler.round_solid import RoundSolid
+from closecall.scheduler.geometry.round_solid import RoundSolid
+from closecall.scheduler.pairs import least_distance as minimum
 
 
 def told_of(mechanism: Mechanism, folder: Path) -> tuple[dict, str]:

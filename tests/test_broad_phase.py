@@ -10,12 +10,36 @@ import numpy as np
 import pytest
 from small_scenes import box, round_shape
 
-from closecall.scheduler.broad_phase import BroadPhase
-from closecall.scheduler.counting import count_pairs
-from closecall.scheduler.crowd import Crowd
-from closecall.scheduler.events import Bound, Collision, Event, Nearness, Reason, Span, Verdict, Wakeup, Window
-from closecall.scheduler.extent import body_extent
-from closecall.scheduler.grid import BoxGrid
+from closecall.scheduler.broad.active_pairs import Crowd
+from closecall.scheduler.broad.box_grid import BoxGrid
+from closecall.scheduler.broad.broad_phase import BroadPhase
+from closecall.scheduler.broad.windows import Sweeps, ToldWindows, Windows
+from closecall.scheduler.model.events import (
+    Bound,
+    Collision,
+    Event,
+    Nearness,
+    Reason,
+    Span,
+    Verdict,
+    Wakeup,
+    Window,
+)
+from closecall.scheduler.model.extent import body_extent
+from closecall.scheduler.model.pair_count import count_pairs
+from closecall.scheduler.model.scene import (
+    ALWAYS,
+    Body,
+    PairRules,
+    PairSet,
+    Scene,
+    Settings,
+    all_pairs,
+    bodies_of_pair,
+    pair_id,
+)
+from closecall.scheduler.model.share import shares_of
+from closecall.scheduler.model.world_poses import WorldPoses
 from closecall.scheduler.motions import (
     Ballistic,
     Constant,
@@ -27,26 +51,12 @@ from closecall.scheduler.motions import (
     Swing,
     Translation,
 )
-from closecall.scheduler.narrow_phase import NarrowPhase
-from closecall.scheduler.nearest import CrowdObserver
-from closecall.scheduler.pairing import Pairing, ignored_pairs
-from closecall.scheduler.poses import WorldPoses
+from closecall.scheduler.narrow.narrow_phase import NarrowPhase
+from closecall.scheduler.pairs.monitor import Plan
+from closecall.scheduler.pairs.pair_factory import Pairing, ignored_pairs
 from closecall.scheduler.run import run
-from closecall.scheduler.scene import (
-    ALWAYS,
-    Body,
-    PairRules,
-    PairSet,
-    Scene,
-    Settings,
-    all_pairs,
-    bodies_of_pair,
-    pair_id,
-)
-from closecall.scheduler.share import shares_of
-from closecall.scheduler.snapshot import Observer, existing
-from closecall.scheduler.watch import Plan
-from closecall.scheduler.windows import Sweeps, ToldWindows, Windows
+from closecall.scheduler.snapshots.nearest_pairs import CrowdObserver
+from closecall.scheduler.snapshots.snapshot import Observer, existing
 
 END = 3.0
 SETTINGS = Settings(margin=0.02)

@@ -9,7 +9,7 @@ import pytest
 from click.testing import CliRunner
 from scene_files import HEAD
 
-from closecall.cli.check import command
+from closecall.cli.commands.check import command
 
 
 def checked(folder: Path, motion: str, *options: str) -> str:

@@ -17,7 +17,7 @@ from closecall.cli import workers
 from closecall.cli.faults import WorkerError
 from closecall.cli.sharing import told_by_workers
 from closecall.formats.scene.reader import read_scene
-from closecall.scheduler.packing import Work
+from closecall.scheduler.parallel.transport import Work
 
 SCENE = FOLDER / "asteroids" / "scene.yaml"
 OPTIONS = ["-q", "--log", "certificate"]

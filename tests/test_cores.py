@@ -6,8 +6,8 @@ from exact_triangles import root, squared_distance
 from placed_meshes import SEGMENT, box_mesh, brute_force, phase_of, placed
 from scipy.spatial.transform import Rotation
 
-from closecall.scheduler.cores import nearest_of
-from closecall.scheduler.scene import Mesh
+from closecall.scheduler.model.scene import Mesh
+from closecall.scheduler.narrow.triangle_distance import nearest_of
 
 UNIT = float(np.finfo(float).eps)
 

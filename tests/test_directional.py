@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from drawn_motions import CONTINUOUS, random_chain, random_unit, vector
 
-from closecall.scheduler import directional
-from closecall.scheduler.chain import Twist
-from closecall.scheduler.directional import Slabs
-from closecall.scheduler.motions.spread import STILL, ball
-from closecall.scheduler.nearby import NearTriangles
-from closecall.scheduler.relative import Approach, RelativeMotion
+from closecall.scheduler.bounds import triangle_slabs as directional
+from closecall.scheduler.bounds.triangle_slabs import Slabs
+from closecall.scheduler.kinematics.chain import Twist
+from closecall.scheduler.kinematics.relative_motion import Approach, RelativeMotion
+from closecall.scheduler.motions.acceleration_set import STILL, ball
+from closecall.scheduler.narrow.triangle_pairs import NearTriangles
 from oracle.triangles import separation
 
 CASES = 30

@@ -10,13 +10,13 @@ from closed_meshes import Raw, box, cube, joined_boxes, moved, together, turned
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from closecall.scheduler import enclosed as rule
-from closecall.scheduler.enclosed import UndecidedError, enclosed_by
-from closecall.scheduler.lines import Surroundings
-from closecall.scheduler.meeting import apart, near_each_other
-from closecall.scheduler.scene import Mesh
-from closecall.scheduler.solid import Interior
-from closecall.scheduler.winding import winding_numbers
+from closecall.scheduler.model.scene import Mesh
+from closecall.scheduler.solids import enclosed_space as rule
+from closecall.scheduler.solids.containment import Interior
+from closecall.scheduler.solids.enclosed_space import UndecidedError, enclosed_by
+from closecall.scheduler.solids.line_crossings import Surroundings
+from closecall.scheduler.solids.triangle_crossings import apart, near_each_other
+from closecall.scheduler.solids.winding import winding_numbers
 from oracle.triangles import separation
 
 ZERO = (0.0, 0.0, 0.0)

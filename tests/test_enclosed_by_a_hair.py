@@ -8,7 +8,7 @@ from closed_meshes import Raw, cube, moved, together
 from scipy.spatial.transform import Rotation
 from test_enclosed import inside, walls_between
 
-from closecall.scheduler.enclosed import UndecidedError
+from closecall.scheduler.solids.enclosed_space import UndecidedError
 
 
 @pytest.mark.parametrize("half", [1e-3, 1e-4, 1e-5, 1e-6])

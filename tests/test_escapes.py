@@ -14,8 +14,8 @@ from diff_logs import SCENE, run_scene, write_scene
 from mcap.records import Channel, Message
 from rewritten_logs import rewrite
 
-from closecall.formats.log.checks import TYPES
-from closecall.formats.log.escapes import csv_text, html_text, json_text
+from closecall.formats.log.container.checks import TYPES
+from closecall.formats.log.tables.escapes import csv_text, html_text, json_text
 
 CLI = Path(__file__).parents[1] / "cli"
 

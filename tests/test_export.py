@@ -18,9 +18,9 @@ from cli_process import closecall_inside, command
 from diff_logs import run_scene, write_scene
 from rewritten_logs import rewrite
 
-from closecall.formats.log.choice import Choice
-from closecall.formats.log.export import export_table, export_tables
-from closecall.formats.log.tables import tables
+from closecall.formats.log.message_filter import Choice
+from closecall.formats.log.tables.export import export_table, export_tables
+from closecall.formats.log.tables.tables import tables
 from oracle.logs import read_log
 
 DOCUMENT = (Path(__file__).parents[1] / "docs" / "tables.md").read_text(encoding="utf-8")
@@ -137,7 +137,7 @@ def test_what_cannot_be_exported_is_told(log, arguments, code, said):
 
 
 def test_parquet_without_pyarrow_is_a_line_that_says_what_to_install(log, monkeypatch):
-    monkeypatch.setattr("closecall.cli.export.find_spec", lambda name: None)
+    monkeypatch.setattr("closecall.cli.commands.export.find_spec", lambda name: None)
     done = closecall_inside("export", log, "--format", "parquet", "-o", "tables", cwd=log.parent)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == "Error: Parquet needs pyarrow: pip install 'closecall[parquet]'\n"
@@ -181,7 +181,7 @@ def test_an_export_that_fails_leaves_nothing(log, tmp_path, monkeypatch):
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("closecall.formats.log.export.NdjsonWriter.write", full)
+    monkeypatch.setattr("closecall.formats.log.tables.export.NdjsonWriter.write", full)
     with pytest.raises(Exception, match="cannot write: No space left on device"):
         export_tables(log, "ndjson", Choice(), tmp_path)
     assert not list(tmp_path.iterdir())

@@ -13,11 +13,11 @@ from diff_logs import SCENE, run_scene, write_scene
 from mcap.reader import make_reader
 from rewritten_logs import rewrite
 
-from closecall.formats.log.choice import Choice
 from closecall.formats.log.diff.compare import compare
 from closecall.formats.log.diff.findings import Rules
-from closecall.formats.log.found import fold, read_summary
-from closecall.formats.log.part import write_part
+from closecall.formats.log.extract import write_part
+from closecall.formats.log.message_filter import Choice
+from closecall.formats.log.result import fold, read_summary
 from oracle.logs import read_log
 
 

@@ -17,8 +17,8 @@ from mcap.data_stream import RecordBuilder
 from mcap.records import Chunk
 
 from closecall.formats.log.carried import OlderSummaryError, SummaryError, as_summary
-from closecall.formats.log.found import fold, read_found
-from closecall.formats.log.records import chunk_content
+from closecall.formats.log.container.records import chunk_content
+from closecall.formats.log.result import fold, read_found
 
 COMMANDS = (
     ["summary", "log.mcap"],

@@ -10,16 +10,16 @@ from drawn_motions import RandomCourse
 from scipy.spatial.transform import Rotation
 from small_scenes import box, events_of, round_shape
 
-from closecall.formats.scene.shapes import segment_mesh
-from closecall.scheduler.chain import Chain, Joint
-from closecall.scheduler.events import Bound, Collision, Reason, Wakeup
-from closecall.scheduler.extent import Ball, Extent, body_extent
-from closecall.scheduler.inner_balls import MOST_LEGS, InnerBalls
+from closecall.formats.scene.build.primitive_meshes import segment_mesh
+from closecall.scheduler.bounds.inscribed_spheres import MOST_LEGS, InnerBalls
+from closecall.scheduler.kinematics.chain import Chain, Joint
+from closecall.scheduler.kinematics.relative_motion import RelativeMotion
+from closecall.scheduler.model.events import Bound, Collision, Reason, Wakeup
+from closecall.scheduler.model.extent import Ball, Extent, body_extent
+from closecall.scheduler.model.scene import Body, Mesh, PairRules, Scene, Shape
 from closecall.scheduler.motions import Constant, Fixed, Keyframes, Translation
-from closecall.scheduler.narrow_phase import NarrowPhase
-from closecall.scheduler.pairing import pairs_that_might_collide
-from closecall.scheduler.relative import RelativeMotion
-from closecall.scheduler.scene import Body, Mesh, PairRules, Scene, Shape
+from closecall.scheduler.narrow.narrow_phase import NarrowPhase
+from closecall.scheduler.pairs.pair_factory import pairs_that_might_collide
 
 O = (0.0, 0.0, 0.0)  # noqa: E741
 PATHS = 100

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from closecall.scheduler.events import (
+from closecall.scheduler.model.events import (
     Bound,
     Collision,
     ContactKind,
@@ -16,9 +16,9 @@ from closecall.scheduler.events import (
     Snapshot,
     Wakeup,
 )
-from closecall.scheduler.instants import Taken, Touching, instants, observed, snapshot_times
+from closecall.scheduler.model.scene import Body, PairRules, Scene
 from closecall.scheduler.motions import Fixed
-from closecall.scheduler.scene import Body, PairRules, Scene
+from closecall.scheduler.snapshots.schedule import Taken, Touching, instants, observed, snapshot_times
 
 RESOLUTION = 0.01
 FEATURE = Feature(FeatureKind.FACE, 0, 0, 0)

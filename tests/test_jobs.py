@@ -16,17 +16,17 @@ from sample_runs import FOLDER, NAMES
 
 from closecall.cli.sharing import told_by_workers
 from closecall.formats.scene.reader import read_scene
-from closecall.scheduler.broad_phase import BroadPhase
-from closecall.scheduler.crowd import Crowd
-from closecall.scheduler.events import Collision
-from closecall.scheduler.narrow_phase import NarrowPhase
-from closecall.scheduler.packing import Work, packed
-from closecall.scheduler.pairing import Pairing
+from closecall.scheduler.broad.active_pairs import Crowd
+from closecall.scheduler.broad.broad_phase import BroadPhase
+from closecall.scheduler.broad.windows import Sweeps
+from closecall.scheduler.model.events import Collision
+from closecall.scheduler.model.scene import Settings
+from closecall.scheduler.model.share import Share, shares_of
+from closecall.scheduler.narrow.narrow_phase import NarrowPhase
+from closecall.scheduler.pairs.pair_factory import Pairing
+from closecall.scheduler.parallel.merge import merged, packed_ticks, stream, told_in_order, windows_of
+from closecall.scheduler.parallel.transport import Work, packed
 from closecall.scheduler.run import run
-from closecall.scheduler.scene import Settings
-from closecall.scheduler.share import Share, shares_of
-from closecall.scheduler.streams import merged, packed_ticks, stream, told_in_order, windows_of
-from closecall.scheduler.windows import Sweeps
 
 
 class Unpacked:

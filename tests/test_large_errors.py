@@ -11,11 +11,11 @@ from cli_process import closecall_inside
 from small_scenes import HERE, box, events_of, round_shape
 
 from closecall.formats.log.reader import LogReader
-from closecall.scheduler.events import Collision, Distance, Phase, Span, Verdict
+from closecall.scheduler.model.events import Collision, Distance, Phase, Span, Verdict
+from closecall.scheduler.model.scene import Body, PairRules, Scene
 from closecall.scheduler.motions import Constant, Fixed
-from closecall.scheduler.narrow_phase import NarrowPhase
-from closecall.scheduler.pairing import pairs_that_might_collide
-from closecall.scheduler.scene import Body, PairRules, Scene
+from closecall.scheduler.narrow.narrow_phase import NarrowPhase
+from closecall.scheduler.pairs.pair_factory import pairs_that_might_collide
 
 SPIN = (0.0, 0.0, 1e12)
 """rad/s, by which the places of a body after some seconds are known to some mm."""

@@ -47,7 +47,7 @@ def test_imports_run_one_way_from_cli_over_formats_to_scheduler(folder):
 
 
 def test_one_module_imports_fcl_and_the_scheduler_knows_no_file_format():
-    assert [path.name for path in sources("scheduler") if "fcl" in imported(path)] == ["placed.py"]
+    assert [path.name for path in sources("scheduler") if "fcl" in imported(path)] == ["fcl_shape.py"]
     for path in sources("scheduler"):
         assert not {name.split(".")[0] for name in imported(path)} & HEAVY_IN_SCHEDULER
     for folder in ("formats", "cli"):
@@ -56,11 +56,10 @@ def test_one_module_imports_fcl_and_the_scheduler_knows_no_file_format():
 
 def test_every_package_folder_is_listed_and_mapped():
     setup = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
+    tops = {f"closecall.{folder}": folder for folder in MAY_IMPORT}
+    assert setup["package-dir"] == {"closecall": "cli/closecall", **tops}
     folders = {path.parent.relative_to(ROOT) for folder in MAY_IMPORT for path in sources(folder)}
-    expected = {"closecall." + ".".join(folder.parts): folder.as_posix() for folder in folders}
-    expected["closecall"] = "cli/closecall"
-    assert setup["package-dir"] == expected
-    assert set(setup["packages"]) == set(expected)
+    assert set(setup["packages"]) == {"closecall"} | {"closecall." + ".".join(folder.parts) for folder in folders}
 
 
 def test_the_wheel_holds_the_package_and_nothing_else(tmp_path):

@@ -10,15 +10,16 @@ import numpy as np
 import pytest
 from drawn_motions import RandomCourse, random_unit, vector
 
-from closecall.scheduler.chain import Chain, Joint, Twist
-from closecall.scheduler.directional import Slabs
-from closecall.scheduler.extent import Ball, Extent
+from closecall.scheduler.bounds import motion_bound
+from closecall.scheduler.bounds.body_slab import Points, Slab
+from closecall.scheduler.bounds.triangle_slabs import Slabs
+from closecall.scheduler.kinematics.chain import Chain, Joint, Twist
+from closecall.scheduler.kinematics.relative_motion import Approach, RelativeMotion
+from closecall.scheduler.model.extent import Ball, Extent
 from closecall.scheduler.motions import Ballistic, Constant, Harmonic, Keyframes, Limits, Motion, Translation
-from closecall.scheduler.motions.spread import STILL as STANDING
-from closecall.scheduler.motions.spread import Spread
-from closecall.scheduler.nearby import NearTriangles
-from closecall.scheduler.relative import Approach, RelativeMotion
-from closecall.scheduler.slab import Points, Slab
+from closecall.scheduler.motions.acceleration_set import STILL as STANDING
+from closecall.scheduler.motions.acceleration_set import Spread
+from closecall.scheduler.narrow.triangle_pairs import NearTriangles
 from oracle.rigid import rigid, rotations
 
 O = (0.0, 0.0, 0.0)  # noqa: E741
@@ -141,7 +142,7 @@ def test_what_swings_to_and_fro_is_not_proved_apart_by_where_it_ends(duration):
     swing = RelativeMotion(carried([O], Harmonic((1.0, 0.0, 0.0), 1.0, 1.0, 0.0)), STILL)
     times = np.linspace(0.0, duration, 2001)
     gaps = 0.6 - np.sin(2.0 * pi * times)
-    proof = swing.proof(swing.at(0.0), 0.6, duration, float(gaps[-1]))
+    proof = motion_bound.proof(swing, swing.at(0.0), 0.6, duration, float(gaps[-1]))
     assert gaps[-1] > 0.0
     assert proof.clearance <= float(gaps.min()) + 1e-6
     assert 0.4 - 1e-6 <= proof.depth_limit <= 0.4 + 2.0 * duration
@@ -150,7 +151,7 @@ def test_what_swings_to_and_fro_is_not_proved_apart_by_where_it_ends(duration):
 def test_two_measurements_prove_as_much_as_the_way_between_leaves():
     """On a straight line towards a wall that stays: of 2 m before and 1 m after, 1 m is left, and is proved."""
     line = RelativeMotion(carried([O], Constant((1.0, 0.0, 0.0), O)), STILL)
-    proof = line.proof(line.at(0.0), 2.0, 1.0, 1.0)
+    proof = motion_bound.proof(line, line.at(0.0), 2.0, 1.0, 1.0)
     assert 0.999 < proof.clearance <= 1.0
 
 

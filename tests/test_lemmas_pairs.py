@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from small_scenes import box, events_of, round_shape
 
-from closecall.formats.scene.shapes import segment_mesh
-from closecall.scheduler.events import Span, Verdict
-from closecall.scheduler.hold import Hold
-from closecall.scheduler.minimum import LeastDistance
+from closecall.formats.scene.build.primitive_meshes import segment_mesh
+from closecall.scheduler.model.events import Span, Verdict
+from closecall.scheduler.model.scene import Body, PairRules, Scene, Shape
 from closecall.scheduler.motions import Constant, Fixed, Keyframes, Looped, Motion, Translation
-from closecall.scheduler.narrow_phase import NarrowPhase
-from closecall.scheduler.pair import Pair
-from closecall.scheduler.pairing import pairs_that_might_collide
-from closecall.scheduler.scene import Body, PairRules, Scene, Shape
-from closecall.scheduler.stretches import Stretch
+from closecall.scheduler.narrow.narrow_phase import NarrowPhase
+from closecall.scheduler.pairs.contact import Hold
+from closecall.scheduler.pairs.least_distance import LeastDistance
+from closecall.scheduler.pairs.pair import Pair
+from closecall.scheduler.pairs.pair_factory import pairs_that_might_collide
+from closecall.scheduler.pairs.span_record import Stretch
 
 O = (0.0, 0.0, 0.0)  # noqa: E741
 CASES = 20

@@ -13,12 +13,12 @@ from scipy.optimize import brentq
 from small_scenes import box, events_of
 from small_scenes import round_shape as ball
 
-from closecall.scheduler.events import Collision, Distance, Phase, Reason, Span, Verdict, Wakeup
+from closecall.scheduler.model.events import Collision, Distance, Phase, Reason, Span, Verdict, Wakeup
+from closecall.scheduler.model.scene import Body, PairRules, Scene, Settings
 from closecall.scheduler.motions import Constant, Fixed, Harmonic, Limits
-from closecall.scheduler.narrow_phase import NarrowPhase
-from closecall.scheduler.pairing import pairs_that_might_collide
-from closecall.scheduler.scene import Body, PairRules, Scene, Settings
-from closecall.scheduler.snapshot import Observer
+from closecall.scheduler.narrow.narrow_phase import NarrowPhase
+from closecall.scheduler.pairs.pair_factory import pairs_that_might_collide
+from closecall.scheduler.snapshots.snapshot import Observer
 
 O = (0.0, 0.0, 0.0)  # noqa: E741
 TOLERANCE = Settings().contact_tolerance

@@ -17,12 +17,12 @@ from mcap.reader import make_reader
 from mcap.records import Message
 from mcap.stream_reader import StreamReader
 
-from closecall.formats.log.chunks import CHUNK_BYTES, ChunkWriter
+from closecall.formats.log.container.chunks import CHUNK_BYTES, ChunkWriter
+from closecall.formats.log.container.output import LOG, Output, published
 from closecall.formats.log.errors import LogError
-from closecall.formats.log.output import LOG, Output, published
 from closecall.formats.log.writer import LogOptions, LogWriter
 from closecall.formats.scene.loaded import LoadedScene
-from closecall.scheduler.events import Bound, Level, PairKey, Reason, Wakeup
+from closecall.scheduler.model.events import Bound, Level, PairKey, Reason, Wakeup
 
 OLDER = b"\x89MCAP0\r\nan older log"
 

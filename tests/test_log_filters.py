@@ -9,8 +9,8 @@ from cli_process import closecall_inside
 from diff_logs import SCENE, run_scene, write_scene
 from mcap.reader import make_reader
 
-from closecall.formats.log.choice import is_pair_among
 from closecall.formats.log.filters import TOPICS
+from closecall.formats.log.message_filter import is_pair_among
 
 
 @pytest.fixture(scope="module")

@@ -15,11 +15,11 @@ import pytest
 from google.protobuf.descriptor_pb2 import FileDescriptorProto, FileDescriptorSet
 
 from closecall.formats.log import messages_pb2 as pb
-from closecall.formats.log.chunks import descriptor_set
-from closecall.formats.log.clock import nanoseconds
-from closecall.formats.log.facts import FactFiller
+from closecall.formats.log.container.chunks import descriptor_set
+from closecall.formats.log.container.clock import nanoseconds
+from closecall.formats.log.messages import FactFiller
 from closecall.formats.scene.loaded import KeyNames
-from closecall.scheduler import events
+from closecall.scheduler.model import events
 
 FOLDER = Path(pb.__file__).parent
 FACTS = (pb.Wakeup(), pb.Distance(), pb.Collision(), pb.Span())

@@ -18,16 +18,25 @@ from mcap.writer import Writer
 from rewritten_logs import rewrite
 
 from closecall import __version__
-from closecall.formats.log.attachments import read_attachment
-from closecall.formats.log.chunks import Compression
+from closecall.formats.log.container.attachments import read_attachment
+from closecall.formats.log.container.chunks import Compression
+from closecall.formats.log.container.records import chunk_content
 from closecall.formats.log.errors import DamagedLogError, LogError
-from closecall.formats.log.found import fold, read_found, read_summary
 from closecall.formats.log.reader import LogReader, Loss
-from closecall.formats.log.records import chunk_content
+from closecall.formats.log.result import fold, read_found, read_summary
 from closecall.formats.log.writer import LogOptions, LogWriter, Topics
 from closecall.formats.scene.loaded import LoadedScene
-from closecall.scheduler.events import Bound, Distance, Feature, FeatureKind, Level, PairKey, Reason, Wakeup
-from closecall.scheduler.scene import Settings
+from closecall.scheduler.model.events import (
+    Bound,
+    Distance,
+    Feature,
+    FeatureKind,
+    Level,
+    PairKey,
+    Reason,
+    Wakeup,
+)
+from closecall.scheduler.model.scene import Settings
 
 
 @pytest.fixture

@@ -25,10 +25,10 @@ from mcap_protobuf.decoder import DecoderFactory
 
 from closecall import __version__
 from closecall.formats.log import messages_pb2 as pb
-from closecall.formats.log.chunks import CHUNK_BYTES, Compression
+from closecall.formats.log.container.chunks import CHUNK_BYTES, Compression
 from closecall.formats.log.writer import LogOptions, LogWriter
 from closecall.formats.scene.loaded import LoadedScene
-from closecall.scheduler.events import (
+from closecall.scheduler.model.events import (
     Bound,
     Collision,
     ContactKind,
@@ -44,7 +44,7 @@ from closecall.scheduler.events import (
     Verdict,
     Wakeup,
 )
-from closecall.scheduler.scene import Settings
+from closecall.scheduler.model.scene import Settings
 
 PAIR = PairKey(0, 0, 1)
 FEATURE_A = Feature(FeatureKind.EDGE, 1, 12, 2)

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from small_scenes import box, events_of
 
-from closecall.scheduler.ball_slab import MOST_SLABS, BallSlabs
-from closecall.scheduler.chain import Chain, Joint
-from closecall.scheduler.events import Span, Verdict, Wakeup
-from closecall.scheduler.extent import Ball, Extent
+from closecall.scheduler.bounds.sphere_slabs import MOST_SLABS, BallSlabs
+from closecall.scheduler.kinematics.chain import Chain, Joint
+from closecall.scheduler.kinematics.relative_motion import RelativeMotion
+from closecall.scheduler.model.events import Span, Verdict, Wakeup
+from closecall.scheduler.model.extent import Ball, Extent
+from closecall.scheduler.model.scene import Body
 from closecall.scheduler.motions import Constant, Fixed, Keyframes, Limits, Looped, Translation
-from closecall.scheduler.relative import RelativeMotion
-from closecall.scheduler.scene import Body
 
 END = 100.0
 CORNERS = np.linspace(0.0, END, 11)

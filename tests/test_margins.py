@@ -8,12 +8,12 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
-from closecall.scheduler.events import Collision, Phase, Reason, Span, Verdict, Wakeup
+from closecall.scheduler.model.events import Collision, Phase, Reason, Span, Verdict, Wakeup
+from closecall.scheduler.model.scene import ALWAYS, Body, Mesh, PairRules, PairSet, Scene, Settings, Shape
 from closecall.scheduler.motions import Constant, Fixed, Harmonic
-from closecall.scheduler.narrow_phase import NarrowPhase
-from closecall.scheduler.pairing import pairs_that_might_collide
+from closecall.scheduler.narrow.narrow_phase import NarrowPhase
+from closecall.scheduler.pairs.pair_factory import pairs_that_might_collide
 from closecall.scheduler.run import run
-from closecall.scheduler.scene import ALWAYS, Body, Mesh, PairRules, PairSet, Scene, Settings, Shape
 
 POINT = Mesh("point", np.zeros((1, 3)), np.zeros((1, 3), dtype=np.int64), solid=False)
 HERE = np.eye(4)

@@ -12,12 +12,12 @@ import trimesh
 from guarded import memory_limited, time_limited
 from mesh_files import CORE, ITEM, MODEL_RELATION, OBJECT, TRIANGLE_MESH, model_xml, package
 
-from closecall.formats.scene import threemf
-from closecall.formats.scene.assembly import MOST_PLACEMENTS, MOST_TRIANGLES
+from closecall.formats.scene.build.meshes import MeshFolder
 from closecall.formats.scene.grammar.scene import MeshReference
-from closecall.formats.scene.meshes import MeshFolder
-from closecall.formats.scene.surface import MeshError
-from closecall.formats.scene.threemf import read_3mf
+from closecall.formats.scene.mesh_files import threemf
+from closecall.formats.scene.mesh_files.assembly import MOST_PLACEMENTS, MOST_TRIANGLES
+from closecall.formats.scene.mesh_files.surface import MeshError
+from closecall.formats.scene.mesh_files.threemf import read_3mf
 
 PAIR = (
     '<object id="2"><components><component objectid="1" transform="1 0 0 0 1 0 0 0 1 10 20 30"/>'

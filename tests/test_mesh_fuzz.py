@@ -27,13 +27,13 @@ from mesh_files import (
     package,
 )
 
-from closecall.formats.scene.glb import read_glb
-from closecall.formats.scene.obj import read_obj
-from closecall.formats.scene.off import read_off
-from closecall.formats.scene.ply import read_ply
-from closecall.formats.scene.stl import read_stl
-from closecall.formats.scene.surface import MeshError, Surface
-from closecall.formats.scene.threemf import read_3mf
+from closecall.formats.scene.mesh_files.glb import read_glb
+from closecall.formats.scene.mesh_files.obj import read_obj
+from closecall.formats.scene.mesh_files.off import read_off
+from closecall.formats.scene.mesh_files.ply import read_ply
+from closecall.formats.scene.mesh_files.stl import read_stl
+from closecall.formats.scene.mesh_files.surface import MeshError, Surface
+from closecall.formats.scene.mesh_files.threemf import read_3mf
 
 Read = Callable[[bytes], Surface]
 INSERTS = (b"9", b"-", b"0", b"\xff", b"nan", b"1e999", b"\0" * 4, b"[", b"{", b'"', b"<", b"\n", b" ", b"9" * 30)

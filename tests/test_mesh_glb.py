@@ -10,9 +10,9 @@ import pytest
 import trimesh
 from mesh_files import POINTS, glb_bytes, glb_parts
 
-from closecall.formats.scene.assembly import MOST_PLACEMENTS, MOST_TRIANGLES
-from closecall.formats.scene.glb import read_glb
-from closecall.formats.scene.surface import MeshError, topology, welded
+from closecall.formats.scene.mesh_files.assembly import MOST_PLACEMENTS, MOST_TRIANGLES
+from closecall.formats.scene.mesh_files.glb import read_glb
+from closecall.formats.scene.mesh_files.surface import MeshError, topology, welded
 
 
 def corners_of(data: bytes) -> list[list[list[float]]]:

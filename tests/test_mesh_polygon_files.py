@@ -14,10 +14,10 @@ import pytest
 import trimesh
 from mesh_files import CORNERS, TRIANGLE_AND_SQUARE, ascii_ply, binary_ply, off
 
-from closecall.formats.scene.obj import read_obj
-from closecall.formats.scene.off import read_off
-from closecall.formats.scene.ply import read_ply
-from closecall.formats.scene.surface import MeshError, Surface
+from closecall.formats.scene.mesh_files.obj import read_obj
+from closecall.formats.scene.mesh_files.off import read_off
+from closecall.formats.scene.mesh_files.ply import read_ply
+from closecall.formats.scene.mesh_files.surface import MeshError, Surface
 
 HALVES = [[0, 1, 2], [0, 1, 2], [0, 2, 3]]
 """Triangles of TRIANGLE_AND_SQUARE."""

@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from closecall.formats.scene.build.meshes import LoadedMesh, MeshFolder
+from closecall.formats.scene.build.primitive_meshes import box_mesh, point_mesh, segment_mesh
 from closecall.formats.scene.grammar.scene import MeshReference
-from closecall.formats.scene.meshes import LoadedMesh, MeshFolder
-from closecall.formats.scene.obj import read_obj
-from closecall.formats.scene.shapes import box_mesh, point_mesh, segment_mesh
-from closecall.formats.scene.stl import read_stl
-from closecall.formats.scene.surface import MeshError, topology, welded
+from closecall.formats.scene.mesh_files.obj import read_obj
+from closecall.formats.scene.mesh_files.stl import read_stl
+from closecall.formats.scene.mesh_files.surface import MeshError, topology, welded
 
 SHARED = Path(__file__).parents[2] / "shared" / "data"
 needs_shared = pytest.mark.skipif(not SHARED.is_dir(), reason="shared data not there")

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from small_scenes import box, events_of, round_shape
 
-from closecall.scheduler import minimum, stretches
-from closecall.scheduler.events import Distance, Reason, Span, Verdict, Wakeup
+from closecall.scheduler.model.events import Distance, Reason, Span, Verdict, Wakeup
+from closecall.scheduler.model.scene import Body, Settings
 from closecall.scheduler.motions import Constant, Fixed, Harmonic, Keyframes, Looped, Orbit, Translation
-from closecall.scheduler.scene import Body, Settings
+from closecall.scheduler.pairs import least_distance as minimum
+from closecall.scheduler.pairs import span_record as stretches
 
 O = (0.0, 0.0, 0.0)  # noqa: E741
 ROUNDING = 1e-12

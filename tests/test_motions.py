@@ -17,8 +17,9 @@ from drawn_motions import (
 )
 from scipy.spatial.transform import Rotation
 
-from closecall.scheduler.chain import Part, chain_to, origin_reach
-from closecall.scheduler.extent import Ball, Extent
+from closecall.scheduler.kinematics.chain import Part, chain_to, origin_reach
+from closecall.scheduler.model.extent import Ball, Extent
+from closecall.scheduler.model.scene import Body
 from closecall.scheduler.motions import (
     Ballistic,
     Constant,
@@ -28,7 +29,6 @@ from closecall.scheduler.motions import (
     Screw,
     Swing,
 )
-from closecall.scheduler.scene import Body
 from oracle.motions import Units, motion_at
 from oracle.paths import PATHS, path_of
 

@@ -5,10 +5,10 @@ import pytest
 from drawn_motions import random_unit
 from scipy.spatial.transform import Rotation
 
-from closecall.scheduler.chain import Chain, Joint, Part
-from closecall.scheduler.extent import Ball, Extent
+from closecall.scheduler.kinematics.chain import Chain, Joint, Part
+from closecall.scheduler.kinematics.relative_motion import RelativeMotion
+from closecall.scheduler.model.extent import Ball, Extent
 from closecall.scheduler.motions import Constant, Harmonic, Orbit, Polynomial, Screw, Swing
-from closecall.scheduler.relative import RelativeMotion
 
 CASES = 100
 

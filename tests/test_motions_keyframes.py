@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from closecall.scheduler.motions import Keyframes, Reach, Translation
-from closecall.scheduler.motions.spans import Boxes, end_of
+from closecall.scheduler.motions.key_interval import Boxes, end_of
 
 
 def test_slerp_turns_the_short_way_at_a_constant_rate():

@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 from drawn_motions import EPSILON, random_unit, random_vector, vector
 
-from closecall.scheduler.bounds import RELATIVE_ROUNDING
+from closecall.scheduler.geometry.rounding import RELATIVE_ROUNDING
+from closecall.scheduler.geometry.vector import distance_to_line
 from closecall.scheduler.motions import (
     Ballistic,
     Delayed,
@@ -29,7 +30,6 @@ from closecall.scheduler.motions import (
     Swing,
     Translation,
 )
-from closecall.scheduler.vector import distance_to_line
 
 CASES = 150
 WIDE = np.longdouble

@@ -8,14 +8,14 @@ import pytest
 from placed_meshes import EYE, POINT, SEGMENT, TRIANGLE, box_mesh, brute_force, phase_of, placed, soup
 from scipy.spatial.transform import Rotation
 
-from closecall.scheduler.events import FeatureKind
+from closecall.scheduler.model.events import FeatureKind
+from closecall.scheduler.model.scene import Body, Mesh, Shape
 from closecall.scheduler.motions import Fixed
-from closecall.scheduler.narrow_phase import NarrowPhase
-from closecall.scheduler.nearby import MOST_TRIANGLE_PAIRS, Triangles, near_pairs
-from closecall.scheduler.scene import Body, Mesh, Shape
-from closecall.scheduler.solid import component_points
-from closecall.scheduler.triangle import Triangle, feature_at, meeting_point
-from closecall.scheduler.winding import winding_numbers
+from closecall.scheduler.narrow.narrow_phase import NarrowPhase
+from closecall.scheduler.narrow.triangle import Triangle, feature_at, meeting_point
+from closecall.scheduler.narrow.triangle_pairs import MOST_TRIANGLE_PAIRS, Triangles, near_pairs
+from closecall.scheduler.solids.containment import component_points
+from closecall.scheduler.solids.winding import winding_numbers
 from oracle.triangles import separation
 
 

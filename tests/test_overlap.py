@@ -8,15 +8,15 @@ from drawn_motions import CONTINUOUS, random_chain, random_unit, vector
 from scipy.spatial.transform import Rotation
 from small_scenes import box, events_of
 
-from closecall.scheduler.chain import Part, Twist
-from closecall.scheduler.events import Reason, Span, Verdict, Wakeup
+from closecall.scheduler.bounds.triangle_overlap import Overlaps, proper
+from closecall.scheduler.kinematics.chain import Part, Twist
+from closecall.scheduler.kinematics.relative_motion import Approach, RelativeMotion
+from closecall.scheduler.model.events import Reason, Span, Verdict, Wakeup
+from closecall.scheduler.model.scene import Body
 from closecall.scheduler.motions import Constant, Fixed, Harmonic
-from closecall.scheduler.motions.spread import STILL as CONSTANT
-from closecall.scheduler.motions.spread import Spread, ball
-from closecall.scheduler.nearby import NearTriangles
-from closecall.scheduler.overlap import Overlaps, proper
-from closecall.scheduler.relative import Approach, RelativeMotion
-from closecall.scheduler.scene import Body
+from closecall.scheduler.motions.acceleration_set import STILL as CONSTANT
+from closecall.scheduler.motions.acceleration_set import Spread, ball
+from closecall.scheduler.narrow.triangle_pairs import NearTriangles
 from oracle.triangles import separation
 
 CASES = 120

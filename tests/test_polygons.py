@@ -12,11 +12,11 @@ from mesh_files import ascii_ply, binary_ply, off
 from scene_files import HEAD, warnings
 from scipy.spatial.transform import Rotation
 
-from closecall.formats.scene.obj import read_obj
-from closecall.formats.scene.off import read_off
-from closecall.formats.scene.ply import read_ply
-from closecall.formats.scene.polygons import triangulated
-from closecall.formats.scene.surface import Surface
+from closecall.formats.scene.mesh_files.obj import read_obj
+from closecall.formats.scene.mesh_files.off import read_off
+from closecall.formats.scene.mesh_files.ply import read_ply
+from closecall.formats.scene.mesh_files.polygons import triangulated
+from closecall.formats.scene.mesh_files.surface import Surface
 
 SQUARE = ((0, 0), (2, 0), (2, 2), (0, 2))
 CHEVRON = ((0, 0), (2, 0), (1, 1), (2, 2), (0, 2))

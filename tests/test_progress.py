@@ -12,16 +12,16 @@ from small_scenes import box
 from test_cli_terminal import on_a_terminal
 
 from closecall.cli.progress import HERE, LEAST_SECONDS, Steps, TimeLeft
-from closecall.scheduler.broad_phase import BroadPhase
-from closecall.scheduler.crowd import Crowd
-from closecall.scheduler.instants import observed, snapshot_times
+from closecall.scheduler.broad.active_pairs import Crowd
+from closecall.scheduler.broad.broad_phase import BroadPhase
+from closecall.scheduler.broad.windows import Sweeps
+from closecall.scheduler.model.scene import Body, PairRules, Scene, Settings
 from closecall.scheduler.motions import Constant, Fixed, Harmonic
-from closecall.scheduler.narrow_phase import NarrowPhase
-from closecall.scheduler.pairing import Pairing
+from closecall.scheduler.narrow.narrow_phase import NarrowPhase
+from closecall.scheduler.pairs.pair_factory import Pairing
+from closecall.scheduler.parallel.merge import observer_of
 from closecall.scheduler.run import run
-from closecall.scheduler.scene import Body, PairRules, Scene, Settings
-from closecall.scheduler.streams import observer_of
-from closecall.scheduler.windows import Sweeps
+from closecall.scheduler.snapshots.schedule import observed, snapshot_times
 
 ENGINE = """closecall: 1
 units: {length: m, angle: rad}

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from report_pages import Parsed, made_up
 
-from closecall.formats.log.found import Found
 from closecall.formats.log.reader import Loss
+from closecall.formats.log.result import Found
 from closecall.formats.report.page import opening
 from closecall.formats.report.quantities import at_least, interval
 from closecall.formats.report.wording import headline, nearest, proof, sentences

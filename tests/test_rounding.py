@@ -12,25 +12,25 @@ from drawn_motions import EPSILON, random_unit, vector
 from scipy.spatial.transform import Rotation
 from small_scenes import events_of, round_shape
 
-from closecall.scheduler.chain import Chain, Twist, chain_to
-from closecall.scheduler.directional import Slabs
-from closecall.scheduler.events import Distance, Span, Verdict
-from closecall.scheduler.extent import Ball, Extent, body_extent
-from closecall.scheduler.minimum import ERRORS, LEAST_TOLERANCE
+from closecall.scheduler.bounds.triangle_overlap import Overlaps
+from closecall.scheduler.bounds.triangle_slabs import Slabs
+from closecall.scheduler.geometry.transform import rotation_of_quaternion
+from closecall.scheduler.geometry.vector import ZERO
+from closecall.scheduler.kinematics.chain import Chain, Twist, chain_to
+from closecall.scheduler.kinematics.relative_motion import Approach, RelativeMotion
+from closecall.scheduler.model.events import Distance, Span, Verdict
+from closecall.scheduler.model.extent import Ball, Extent, body_extent
+from closecall.scheduler.model.scene import Body, Mesh, PairRules, Scene, Shape
 from closecall.scheduler.motions import Constant, Fixed, Keyframes, Limits, Translation
-from closecall.scheduler.motions.spans import Span as Stretch
-from closecall.scheduler.motions.spread import STILL as CONSTANT
-from closecall.scheduler.narrow_phase import DISTANCE_ERROR, NarrowPhase
-from closecall.scheduler.narrow_phase import POINT as POINT_MESH
-from closecall.scheduler.nearby import NearTriangles, Triangles, near_pairs
-from closecall.scheduler.overlap import Overlaps
-from closecall.scheduler.pair import Pair
-from closecall.scheduler.pairing import pairs_that_might_collide
-from closecall.scheduler.relative import Approach, RelativeMotion
-from closecall.scheduler.rotation import rotation_of_quaternion
-from closecall.scheduler.scene import Body, Mesh, PairRules, Scene, Shape
-from closecall.scheduler.solid import Interior
-from closecall.scheduler.vector import ZERO
+from closecall.scheduler.motions.acceleration_set import STILL as CONSTANT
+from closecall.scheduler.motions.key_interval import Span as Stretch
+from closecall.scheduler.narrow.narrow_phase import DISTANCE_ERROR, NarrowPhase
+from closecall.scheduler.narrow.narrow_phase import POINT as POINT_MESH
+from closecall.scheduler.narrow.triangle_pairs import NearTriangles, Triangles, near_pairs
+from closecall.scheduler.pairs.least_distance import ERRORS, LEAST_TOLERANCE
+from closecall.scheduler.pairs.pair import Pair
+from closecall.scheduler.pairs.pair_factory import pairs_that_might_collide
+from closecall.scheduler.solids.containment import Interior
 
 WIDE = np.longdouble
 EYE = np.eye(4)

@@ -6,12 +6,12 @@ from math import asin, cos, inf, nan, pi, sin, sqrt
 import numpy as np
 import pytest
 
-from closecall.scheduler.events import Collision, ContactKind, Phase, Reason, Span, Verdict, Wakeup
+from closecall.scheduler.model.events import Collision, ContactKind, Phase, Reason, Span, Verdict, Wakeup
+from closecall.scheduler.model.scene import Body, Mesh, PairRules, PairSet, Scene, Settings, Shape, pair_id
 from closecall.scheduler.motions import Ballistic, Constant, Fixed, Harmonic, Keyframes, Screw, Swing, Translation
-from closecall.scheduler.narrow_phase import NarrowPhase
-from closecall.scheduler.pairing import pairs_that_might_collide
+from closecall.scheduler.narrow.narrow_phase import NarrowPhase
+from closecall.scheduler.pairs.pair_factory import pairs_that_might_collide
 from closecall.scheduler.run import run
-from closecall.scheduler.scene import Body, Mesh, PairRules, PairSet, Scene, Settings, Shape, pair_id
 
 O = (0.0, 0.0, 0.0)  # noqa: E741
 SETTINGS = Settings()

@@ -12,7 +12,7 @@ import pytest
 import yaml
 from sample_runs import FOLDER, NAMES, Sample, sample_of
 
-from closecall.formats.log.found import fold, read_summary
+from closecall.formats.log.result import fold, read_summary
 from oracle.check import check_log
 from oracle.meshes import read_triangles, topology
 from oracle.sampling import Effort

@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 import yaml
 
-from closecall.formats.scene.document import Document
-from closecall.formats.scene.errors import SceneError
 from closecall.formats.scene.limits import DEEPEST_NESTING, LARGEST_DOCUMENT
-from closecall.formats.scene.source import read_bytes, read_document
-from closecall.formats.scene.yaml_document import read_yaml
+from closecall.formats.scene.text.document import Document
+from closecall.formats.scene.text.errors import SceneError
+from closecall.formats.scene.text.source import read_bytes, read_document
+from closecall.formats.scene.text.yaml_document import read_yaml
 
 LOADERS = [getattr(yaml, "CSafeLoader", yaml.SafeLoader), yaml.SafeLoader]
 

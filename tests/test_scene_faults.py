@@ -8,10 +8,10 @@ from time import perf_counter
 import pytest
 from scene_files import HEAD, faults
 
-from closecall.formats.scene.errors import SceneError
-from closecall.formats.scene.existence import needed_times
+from closecall.formats.scene.build.existence import needed_times
 from closecall.formats.scene.grammar.scene import TimeRange
 from closecall.formats.scene.reader import read_scene
+from closecall.formats.scene.text.errors import SceneError
 
 BODIES = f"{HEAD}bodies:\n  a: {{groups: [g]}}\n  b: {{groups: [g]}}\n  c: {{groups: [h]}}\n"
 

@@ -12,7 +12,7 @@ import pytest
 from scene_files import HEAD, MOTION, TETRAHEDRON, fault, load, motion, warnings
 
 from closecall.formats.scene.reader import read_scene
-from closecall.formats.scene.trajectories import LARGEST_TRAJECTORY
+from closecall.formats.scene.trajectory_files.trajectories import LARGEST_TRAJECTORY
 from closecall.scheduler.motions import Keyframes, Looped, Translation
 
 CSV = "t,x,y,z,yaw,pitch,roll\n10,1,2,3,90,0,0\n10.5,0,0,0,0,0,0\n11,1,1,1,0,0,0\n"

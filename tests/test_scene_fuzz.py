@@ -22,9 +22,9 @@ from guarded import memory_limited, time_limited
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from closecall.formats.scene.errors import SceneError
 from closecall.formats.scene.loaded import LoadedScene
 from closecall.formats.scene.reader import read_scene
+from closecall.formats.scene.text.errors import SceneError
 
 SLOW = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.filter_too_much, HealthCheck.large_base_example]
 FEW = settings(

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from closecall.formats.scene.errors import SceneError
 from closecall.formats.scene.grammar.scene import SceneFile
-from closecall.formats.scene.source import read_document
-from closecall.formats.scene.wording import parsed
+from closecall.formats.scene.grammar.wording import parsed
+from closecall.formats.scene.text.errors import SceneError
+from closecall.formats.scene.text.source import read_document
 
 HEAD = "closecall: 1\nunits: {length: m, angle: deg}\ntime: {start: 0, end: 1}\n"
 JSON_REST = '"units": {"length": "m", "angle": "deg"}, "time": {"start": 0, "end": 1}, "bodies": {}}'

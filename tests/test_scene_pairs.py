@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from scene_files import HEAD, fault, faults, load
 
-from closecall.formats.scene import names
-from closecall.scheduler.scene import PairRules, PairSet
+from closecall.formats.scene.build import names
+from closecall.scheduler.model.scene import PairRules, PairSet
 
 BODIES = f"{HEAD}bodies:\n  a: {{groups: [g]}}\n  b: {{groups: [g]}}\n  c: {{groups: [h]}}\n"
 """What follows begins in line 8."""

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from scene_files import HEAD, TETRAHEDRON, load
 
-from closecall.scheduler.scene import PairRules, PairSet, Settings
+from closecall.scheduler.model.scene import PairRules, PairSet, Settings
 
 GOOD = """\
 closecall: 1

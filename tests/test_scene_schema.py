@@ -14,10 +14,10 @@ import yaml
 from click.testing import CliRunner
 from scene_files import HEAD, MOTION, load
 
-from closecall.cli.schema import command
-from closecall.formats.scene.errors import SceneError
+from closecall.cli.commands.schema import command
 from closecall.formats.scene.schema import schema, schema_text
-from closecall.formats.scene.source import read_document
+from closecall.formats.scene.text.errors import SceneError
+from closecall.formats.scene.text.source import read_document
 
 SAMPLES = Path(__file__).parents[1] / "sample_scenes"
 DOCS = SAMPLES.parent / "docs"

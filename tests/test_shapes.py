@@ -9,10 +9,10 @@ from math import hypot
 import numpy as np
 import pytest
 
-from closecall.formats.scene.meshes import MeshFolder
-from closecall.formats.scene.round_shapes import RoundMesh, cone_mesh, cylinder_mesh, ellipsoid_mesh
-from closecall.formats.scene.shapes import box_mesh, scaled_mesh
-from closecall.formats.scene.surface import topology
+from closecall.formats.scene.build.meshes import MeshFolder
+from closecall.formats.scene.build.primitive_meshes import box_mesh, scaled_mesh
+from closecall.formats.scene.build.round_meshes import RoundMesh, cone_mesh, cylinder_mesh, ellipsoid_mesh
+from closecall.formats.scene.mesh_files.surface import topology
 
 Sizes = tuple[float, ...]
 Exact = tuple[Fraction, Fraction, Fraction]

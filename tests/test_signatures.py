@@ -18,9 +18,9 @@ from mcap.writer import Writer
 from mesh_files import binary_ply
 from scene_files import HEAD, MOTION, fault, faults
 
-from closecall.formats.scene.errors import SceneError
 from closecall.formats.scene.reader import read_scene
-from closecall.formats.scene.signatures import named_format
+from closecall.formats.scene.text.errors import SceneError
+from closecall.formats.scene.text.signatures import named_format
 
 TEXT = "closecall: 1\n# Über alles\nv 0 0 0\n" * 400
 

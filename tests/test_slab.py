@@ -7,15 +7,15 @@ import pytest
 from drawn_motions import CONTINUOUS, random_chain, random_unit, vector
 from small_scenes import box
 
-from closecall.scheduler.chain import Part, Twist
+from closecall.scheduler.bounds.body_slab import Points, Slab
+from closecall.scheduler.kinematics.chain import Part, Twist
+from closecall.scheduler.kinematics.relative_motion import Approach, RelativeMotion
+from closecall.scheduler.model.scene import Body, PairRules, Scene
 from closecall.scheduler.motions import Fixed, Harmonic
-from closecall.scheduler.motions.spread import STILL, ball
-from closecall.scheduler.narrow_phase import NarrowPhase
-from closecall.scheduler.outlook import Outlook
-from closecall.scheduler.pairing import pairs_that_might_collide
-from closecall.scheduler.relative import Approach, RelativeMotion
-from closecall.scheduler.scene import Body, PairRules, Scene
-from closecall.scheduler.slab import Points, Slab
+from closecall.scheduler.motions.acceleration_set import STILL, ball
+from closecall.scheduler.narrow.narrow_phase import NarrowPhase
+from closecall.scheduler.pairs.pair_factory import pairs_that_might_collide
+from closecall.scheduler.pairs.separation import Outlook
 from oracle.gjk import distances
 
 CASES = 50

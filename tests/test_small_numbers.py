@@ -12,8 +12,8 @@ import pytest
 from cli_process import closecall
 from scene_files import HEAD, MOTION, body, fault, load, motion
 
+from closecall.scheduler.geometry.vector import unit
 from closecall.scheduler.motions import Ballistic, Polynomial, Profile, Reach
-from closecall.scheduler.vector import unit
 from oracle.check import check_log
 from oracle.logs import read_log
 

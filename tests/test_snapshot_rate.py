@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from closecall.cli.commands.run import command
 from closecall.cli.rate import snapshot_rate, thinned
-from closecall.cli.run import command
-from closecall.scheduler.instants import snapshot_times
+from closecall.scheduler.model.scene import Body, PairRules, Scene
 from closecall.scheduler.motions import Fixed
-from closecall.scheduler.scene import Body, PairRules, Scene
+from closecall.scheduler.snapshots.schedule import snapshot_times
 
 
 @pytest.mark.parametrize(

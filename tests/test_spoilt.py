@@ -15,7 +15,7 @@ NAMES = [spoil.name for spoil in SPOILS]
 
 
 def source_of(spoil: Spoil) -> str:
-    return (ROOT / "scheduler" / f"{spoil.module.replace('.', '/')}.py").read_text(encoding="utf-8")
+    return (ROOT / "scheduler" / spoil.place).read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("spoil", SPOILS, ids=NAMES)
@@ -33,7 +33,7 @@ def test_the_test_that_notices_is_there(spoil: Spoil) -> None:
 
 def test_a_spoil_of_code_that_is_gone_says_what_to_do() -> None:
     gone = replace(SPOILS[0], old="what nobody has written")
-    with pytest.raises(LookupError, match=r"stands 0 times in scheduler/chain\.py.*tests/spoilt/lemmas\.py"):
+    with pytest.raises(LookupError, match=r"stands 0 times in scheduler/kinematics/chain\.py.*tests/spoilt/lemmas\.py"):
         gone.applied(source_of(gone))
 
 

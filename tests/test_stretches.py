@@ -5,8 +5,8 @@ from itertools import pairwise
 import pytest
 
 from closecall.formats.log.summary import Subject, SummaryBuilder
-from closecall.scheduler.events import PairKey, Span, Verdict
-from closecall.scheduler.stretches import SpanRecord
+from closecall.scheduler.model.events import PairKey, Span, Verdict
+from closecall.scheduler.pairs.span_record import SpanRecord
 
 KEY = PairKey(0, 0, 1)
 RESOLUTION, CROSSING = 1e-3, 1e-10

@@ -14,7 +14,7 @@ import pytest
 
 from closecall.formats.log.doubts import doubts
 from closecall.formats.log.summary import SummaryBuilder, subject_of, to_json
-from closecall.scheduler.events import (
+from closecall.scheduler.model.events import (
     Bound,
     Collision,
     ContactKind,
@@ -29,8 +29,8 @@ from closecall.scheduler.events import (
     Verdict,
     Wakeup,
 )
+from closecall.scheduler.model.scene import Body, PairRules, Scene, Settings, Shape, pair_id
 from closecall.scheduler.motions import Fixed
-from closecall.scheduler.scene import Body, PairRules, Scene, Settings, Shape, pair_id
 
 FACE = Feature(FeatureKind.FACE, 0, 0, 0)
 ORIGIN = (0.0, 0.0, 0.0)

@@ -14,8 +14,12 @@ import pytest
 from guarded import time_limited
 from scipy.spatial.transform import Rotation
 
-from closecall.formats.scene import trajectories
-from closecall.formats.scene.trajectories import Trajectory, TrajectoryError, read_trajectory
+from closecall.formats.scene.trajectory_files import trajectories
+from closecall.formats.scene.trajectory_files.trajectories import (
+    Trajectory,
+    TrajectoryError,
+    read_trajectory,
+)
 
 SHARED = Path(__file__).parents[2] / "shared" / "data"
 needs_shared = pytest.mark.skipif(not SHARED.is_dir(), reason="shared data not there")

@@ -13,8 +13,13 @@ import pytest
 from scene_files import MOTION, fault, faults, load, motion, warnings
 from scipy.spatial.transform import Rotation
 
-from closecall.formats.scene.trajectories import Duplicates, Trajectory, TrajectoryError, read_trajectory
-from closecall.formats.scene.trajectory_kitti import Clock, read_stamps
+from closecall.formats.scene.trajectory_files.kitti import Clock, read_stamps
+from closecall.formats.scene.trajectory_files.trajectories import (
+    Duplicates,
+    Trajectory,
+    TrajectoryError,
+    read_trajectory,
+)
 from closecall.scheduler.motions import Keyframes
 from oracle.draw_motions import random_motion
 from oracle.paths import path_of

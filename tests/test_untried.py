@@ -18,10 +18,11 @@ import pytest
 from grammar_places import leaves, own_places, parts, possible, taken, within
 from pydantic import BaseModel, TypeAdapter, create_model
 
-from closecall.formats.scene import meshes, trajectory_csv
+from closecall.formats.scene.build import meshes
 from closecall.formats.scene.grammar.motions import MOTIONS, MotionChoice, MotionPart
 from closecall.formats.scene.grammar.scene import BodyPart, SceneFile
 from closecall.formats.scene.grammar.shapes import SHAPES
+from closecall.formats.scene.trajectory_files import csv_layout as trajectory_csv
 from oracle import truth
 from oracle.draw_motions import random_motion
 from oracle.pair_scenes import FIRST_SEED, scene_of_pairs

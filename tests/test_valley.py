@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from small_scenes import box, round_shape
 
+from closecall.scheduler.model.scene import Body, PairRules, Scene
 from closecall.scheduler.motions import Constant, Fixed, Harmonic
-from closecall.scheduler.narrow_phase import NarrowPhase
-from closecall.scheduler.pairing import pairs_that_might_collide
-from closecall.scheduler.scene import Body, PairRules, Scene
-from closecall.scheduler.valley import MOST_STEPS, Tangent, Valley
+from closecall.scheduler.narrow.narrow_phase import NarrowPhase
+from closecall.scheduler.pairs.pair_factory import pairs_that_might_collide
+from closecall.scheduler.pairs.tangent_search import MOST_STEPS, Tangent, Valley
 
 CLOSE = 1e-3
 

@@ -11,9 +11,9 @@ from viewer_logs import seen, seen_by, show, write_scene
 
 from closecall.formats.log.viewer.camera import camera
 from closecall.formats.log.viewer.layout import layout
-from closecall.formats.log.viewer.reach import Reach, reach
+from closecall.formats.log.viewer.view_extent import Reach, reach
+from closecall.scheduler.model.scene import Body, Mesh, PairRules, Scene, Shape
 from closecall.scheduler.motions import Constant, Fixed
-from closecall.scheduler.scene import Body, Mesh, PairRules, Scene, Shape
 
 RNG = np.random.default_rng(0)
 CLOUDS = {

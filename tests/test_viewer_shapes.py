@@ -18,9 +18,9 @@ from closecall.formats.log.viewer.markers import figure
 from closecall.formats.log.viewer.surfaces import outline, surface, triangle_count
 from closecall.formats.log.viewer.transforms import TransformPacker, quaternions
 from closecall.formats.log.viewer.wire import embedded, indices, points, varint
-from closecall.formats.scene.shapes import box_mesh, point_mesh, segment_mesh
+from closecall.formats.scene.build.primitive_meshes import box_mesh, point_mesh, segment_mesh
+from closecall.scheduler.model.scene import Body, Mesh, Shape
 from closecall.scheduler.motions import Fixed
-from closecall.scheduler.scene import Body, Mesh, Shape
 
 PLACE = np.eye(4)
 PLACE[:3, :3] = Rotation.from_euler("xyz", [0.3, -1.1, 2.0]).as_matrix()

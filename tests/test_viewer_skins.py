@@ -13,8 +13,8 @@ from small_scenes import box
 
 from closecall.formats.log.viewer.drawings import Drawings
 from closecall.formats.log.viewer.entities import BodyEntities, Look
+from closecall.scheduler.model.scene import Body, PairRules, Scene, Shape
 from closecall.scheduler.motions import Constant
-from closecall.scheduler.scene import Body, PairRules, Scene, Shape
 
 TILTED = np.eye(4)
 TILTED[:3, :3] = Rotation.from_euler("xyz", [0.4, 0.9, -1.3]).as_matrix()

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from viewer_logs import MOVING, SCENE, Shown, seen_by, show, write_scene
 
 from closecall.formats.log.viewer.viewer import ViewerOptions
-from closecall.scheduler.events import PairKey, Phase, Snapshot, Verdict
+from closecall.scheduler.model.events import PairKey, Phase, Snapshot, Verdict
 from oracle.check import check
 from oracle.logs import read_log
 from oracle.poses import Kinematics, read_scene

@@ -15,12 +15,12 @@ from mcap_protobuf.decoder import DecoderFactory
 from closecall.formats.log.viewer.viewer import ViewerOptions
 from closecall.formats.log.writer import LogOptions, LogWriter
 from closecall.formats.scene.reader import read_scene
-from closecall.scheduler.events import Snapshot
-from closecall.scheduler.instants import observed, snapshot_times
-from closecall.scheduler.narrow_phase import NarrowPhase
-from closecall.scheduler.pairing import pairs_that_might_collide
+from closecall.scheduler.model.events import Snapshot
+from closecall.scheduler.narrow.narrow_phase import NarrowPhase
+from closecall.scheduler.pairs.pair_factory import pairs_that_might_collide
 from closecall.scheduler.run import run
-from closecall.scheduler.snapshot import Observer
+from closecall.scheduler.snapshots.schedule import observed, snapshot_times
+from closecall.scheduler.snapshots.snapshot import Observer
 
 # The hammer falls on the anvil and leaves it again; the pin hangs on the carriage through a frame without shapes.
 SCENE = """\

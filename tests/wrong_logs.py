@@ -12,8 +12,8 @@ from google.protobuf.message import Message
 from made_logs import Fact, MadeLog, sound_log
 from mcap.opcode import Opcode
 
-from closecall.formats.log.found import Folding
-from closecall.formats.log.identity_reading import read_identity
+from closecall.formats.log.container.identity_reading import read_identity
+from closecall.formats.log.result import Folding
 from closecall.formats.log.summary import to_json
 
 EVIL = "\x1b]0;owned\x07\x9b\x00\u202e\n\u2028<script>alert(1)</script>"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import inf
 from typing import NamedTuple, TypedDict
 
-from ...scheduler.minimum import ERRORS, LEAST_TOLERANCE
+from ...scheduler.pairs.least_distance import ERRORS, LEAST_TOLERANCE
 
 #: Why a least distance has no upper end, in words.
 OPEN = {

@@ -6,10 +6,10 @@ import json
 from types import NoneType, UnionType
 from typing import Any, NoReturn, cast, get_args, get_origin, get_type_hints, is_typeddict
 
-from ..scene.errors import quoted
-from .checks import MOST_METRES
-from .identity import Identity
-from .ranking import VERDICTS
+from ..scene.text.errors import quoted
+from .container.checks import MOST_METRES
+from .container.identity import Identity
+from .severity import VERDICTS
 from .summary import Contact, PairSummary, Summary
 
 _MOST_COUNT = 2**63 - 1

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...scheduler.minimum import LEAST_TOLERANCE
+from ...scheduler.pairs.least_distance import LEAST_TOLERANCE
 from .bracket import WIDE
 from .summary import PairSummary
 

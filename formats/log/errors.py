@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..scene.errors import printable
+from ..scene.text.errors import printable
 
 
 class LogError(Exception):

@@ -7,11 +7,11 @@ from difflib import get_close_matches
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-from ..scene.errors import quoted
-from .choice import bar_closed, is_pair_among
+from ..scene.text.errors import quoted
 from .errors import LogError
-from .found import Found
+from .message_filter import bar_closed, is_pair_among
 from .reader import LogReader
+from .result import Found
 
 #: The topics of a log, those by body without the body.
 TOPICS = (

@@ -16,15 +16,14 @@ from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Metadata, Schema
 from mcap.writer import MCAP0_MAGIC
 
-from ..scene.errors import counted
-from .attachments import NAME_A_LOG, opened, read_index
-from .checks import FactChecks, FactError
-from .clock import seconds_told
-from .contents import LOST, METADATA, METADATA_AT_START
-from .errors import DamagedLogError, LogError
-from .identity import Identity
-from .identity_reading import read_identity
-from .records import (
+from ..scene.text.errors import counted
+from .container.attachments import NAME_A_LOG, opened, read_index
+from .container.checks import FactChecks, FactError
+from .container.clock import seconds_told
+from .container.contents import LOST, METADATA, METADATA_AT_START
+from .container.identity import Identity
+from .container.identity_reading import read_identity
+from .container.records import (
     DAMAGE,
     RECORD_HEAD,
     DamageError,
@@ -34,7 +33,8 @@ from .records import (
     read_attachment_record,
     read_stream,
 )
-from .sources import Source, Sources
+from .container.sources import Source, Sources
+from .errors import DamagedLogError, LogError
 
 _MESSAGE_HEAD = Struct("<HIQQ")  # channel, sequence, log time, publish time
 _MESSAGE_OPCODES = frozenset((Opcode.CHUNK, Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE))

@@ -14,8 +14,7 @@ from typing import TypedDict
 
 from closecall import __version__
 
-from ...scheduler.counting import count_pairs
-from ...scheduler.events import (
+from ...scheduler.model.events import (
     Collision,
     Distance,
     Event,
@@ -28,7 +27,8 @@ from ...scheduler.events import (
     Wakeup,
     Window,
 )
-from ...scheduler.scene import Scene, Settings
+from ...scheduler.model.pair_count import count_pairs
+from ...scheduler.model.scene import Scene, Settings
 from .bracket import DistanceRange, Least
 
 # From worst to best; a pair's verdict is the worst of its spans'.

@@ -14,13 +14,23 @@ from foxglove_schemas_protobuf.Log_pb2 import Log
 
 from closecall import __version__
 
-from ...scheduler.events import Collision, Distance, Event, Phase, Snapshot, Span, Verdict, Wakeup, Window
-from ...scheduler.scene import Settings
+from ...scheduler.model.events import (
+    Collision,
+    Distance,
+    Event,
+    Phase,
+    Snapshot,
+    Span,
+    Verdict,
+    Wakeup,
+    Window,
+)
+from ...scheduler.model.scene import Settings
 from ..scene.loaded import LoadedScene
 from . import messages_pb2 as pb
-from .chunks import Channel, ChunkWriter, Compression, MessageT, Topic
-from .clock import LATEST_LOG_TIME_NS, coarseness_told, nanoseconds
-from .contents import (
+from .container.chunks import Channel, ChunkWriter, Compression, MessageT, Topic
+from .container.clock import LATEST_LOG_TIME_NS, coarseness_told, nanoseconds
+from .container.contents import (
     LAYOUT,
     METADATA,
     METADATA_AT_START,
@@ -31,11 +41,11 @@ from .contents import (
     input_files,
     settings_json,
 )
+from .container.identity import identity
+from .container.output import LOG, destination
 from .doubts import doubts
 from .errors import LogError
-from .facts import FactFiller
-from .identity import identity
-from .output import LOG, destination
+from .messages import FactFiller
 from .summary import Summary, SummaryBuilder, subject_of, to_json
 from .viewer.pictures import Picture
 from .viewer.viewer import Viewer, ViewerOptions

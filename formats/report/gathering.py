@@ -12,10 +12,10 @@ from typing import Any
 from foxglove_schemas_protobuf.Log_pb2 import Log
 
 from ..log import messages_pb2 as pb
-from ..log.found import Found, read_found
-from ..log.identity import Identity
-from ..log.ranking import badness
+from ..log.container.identity import Identity
 from ..log.reader import LogReader, Loss
+from ..log.result import Found, read_found
+from ..log.severity import badness
 from ..log.summary import PairSummary
 from .replay import Replay, ReplayBuilder
 from .tracks import Curve, Tracks

@@ -8,7 +8,7 @@ from math import ceil
 import numpy as np
 from foxglove_schemas_protobuf.TriangleListPrimitive_pb2 import TriangleListPrimitive
 
-from ...scheduler.scene import FloatArray, IntArray
+from ...scheduler.geometry.arrays import FloatArray, IntArray
 
 # Triangles in a page; of one model; and those that a model keeps at least.
 _MOST_TRIANGLES = 150_000

@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...scheduler.scene import FloatArray
+from ...scheduler.geometry.arrays import FloatArray
 from ..log import messages_pb2 as pb
-from ..log.ranking import VERDICTS
-from ..scene.errors import printable
+from ..log.severity import VERDICTS
+from ..scene.text.errors import printable
 from .gathering import Gathered
 from .replay import BOX_NUMBERS, POSE_NUMBERS, Drawn, Replay
 from .tracks import Curve

@@ -9,8 +9,8 @@ from importlib.resources import files
 from math import floor, log10
 from string import Template
 
-from ..log.escapes import html_text
 from ..log.summary import PairSummary
+from ..log.tables.escapes import html_text
 from . import sections
 from .gathering import Gathered
 from .packing import packed

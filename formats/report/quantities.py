@@ -5,7 +5,7 @@ from __future__ import annotations
 from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context, Decimal
 from math import ceil, log10
 
-from ..log.clock import seconds_told
+from ..log.container.clock import seconds_told
 
 _UNITS = (("km", 1e3, 1e4), ("m", 1.0, 1.0), ("mm", 1e-3, 1e-3), ("µm", 1e-6, 1e-6), ("nm", 1e-9, 0.0))
 """Of lengths: name, m, and from how many m on."""

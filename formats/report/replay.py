@@ -15,7 +15,7 @@ from foxglove_schemas_protobuf.SceneEntity_pb2 import SceneEntity
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from foxglove_schemas_protobuf.SpherePrimitive_pb2 import SpherePrimitive
 
-from ...scheduler.scene import FloatArray
+from ...scheduler.geometry.arrays import FloatArray
 from .models import Models
 
 # Poses kept in all while a log is read, and in the page.

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from ..log.bracket import why_wide
-from ..log.escapes import html_text
-from ..log.found import Stretches
+from ..log.result import Stretches
 from ..log.summary import PairSummary
-from ..scene.errors import counted
+from ..log.tables.escapes import html_text
+from ..scene.text.errors import counted
 from .gathering import MOST_PAIRS, Gathered
 from .quantities import interval, length, moment
 from .wording import headline, is_proved, jump, nearest, pair_name, proof, sentences, until_the_end, when

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...scheduler.scene import FloatArray
+from ...scheduler.geometry.arrays import FloatArray
 from ..log import messages_pb2 as pb
 
 # Points and spans kept in all while a log is read, 16 to 25 bytes each, and in the page, 8 to 13 bytes each.

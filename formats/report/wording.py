@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from ..log.bracket import why_wide
-from ..log.escapes import html_text
-from ..log.found import Found, Stretches
-from ..log.ranking import badness
+from ..log.result import Found, Stretches
+from ..log.severity import badness
 from ..log.summary import PairSummary, Summary
-from ..scene.errors import counted
+from ..log.tables.escapes import html_text
+from ..scene.text.errors import counted
 from .quantities import at_least, interval, length, moment
 
 # Of intervals told of one pair.

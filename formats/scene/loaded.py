@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from math import fmod, nextafter
 from pathlib import Path
 
-from ...scheduler.scene import Scene, Settings
-from .errors import printable
+from ...scheduler.model.scene import Scene, Settings
+from .text.errors import printable
 
 
 @dataclass(frozen=True, slots=True)

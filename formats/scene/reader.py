@@ -5,28 +5,28 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ...scheduler.lineage import parents_first
+from ...scheduler.model.body_tree import parents_first
+from ...scheduler.model.scene import Body, Scene, Settings, least_duration
 from ...scheduler.motions import Interval
-from ...scheduler.scene import Body, Scene, Settings, least_duration
-from .document import Findings
-from .errors import Where, in_order, quoted
-from .existence import existence, needed_times
-from .folder import Folder
+from .build.existence import existence, needed_times
+from .build.meshes import MeshFolder
+from .build.motions import MotionReader
+from .build.names import Bodies, normal
+from .build.parents import check_parents
+from .build.rules import pair_rules
+from .build.shapes import ShapeReader
+from .build.sizes import check_sizes
 from .grammar.scene import BodyPart, SceneFile
+from .grammar.wording import parsed
 from .limits import LARGEST_DOCUMENT, SMALLEST_SIZE
 from .loaded import KeyNames, LoadedScene
-from .loose_rotations import warn_of_loose_rotations
-from .meshes import MeshFolder
-from .motions import MotionReader
-from .names import Bodies, normal
-from .parents import check_parents
-from .poses import placement
-from .rules import pair_rules
-from .shape_reader import ShapeReader
-from .sizes import check_sizes
-from .source import read_bytes, read_document
-from .units import Scale
-from .wording import parsed
+from .quantities.loose_rotations import warn_of_loose_rotations
+from .quantities.poses import placement
+from .quantities.units import Scale
+from .text.document import Findings
+from .text.errors import Where, in_order, quoted
+from .text.folder import Folder
+from .text.source import read_bytes, read_document
 
 
 def read_scene(path: Path, mesh_roots: Sequence[Path] = (), max_bytes: int = LARGEST_DOCUMENT) -> LoadedScene:

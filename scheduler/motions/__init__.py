@@ -1,17 +1,17 @@
 """The motions, each with sound bounds on how far its points get."""
 
 from .ballistic import Ballistic, Constant
-from .base import Axis, Fixed, Interval, Motion, Rates, Reach, Smooth
 from .delayed import Delayed
-from .hermite import Translation
+from .harmonic import Harmonic, Swing
+from .key_interpolation import Translation
 from .keyframes import Keyframes
-from .limits import Limits
 from .looped import Looped
+from .motion import Axis, Fixed, Interval, Motion, Rates, Reach, Smooth
 from .orbit import Orbit
-from .oscillation import Harmonic, Swing
 from .polynomial import Polynomial
-from .profile import Profile
 from .screw import Screw
+from .trapezoid import Profile
+from .unknown_path import Limits
 
 __all__ = [
     "Axis",

@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..rotation import FloatArray
-from ..vector import Vector
-from .spread import Spread, ball, between
+from ..geometry.arrays import FloatArray
+from ..geometry.vector import Vector
+from .acceleration_set import Spread, ball, between
 
 #: An interval is cut into half as many cells to as many, each with its own control points.
 CELLS = 16

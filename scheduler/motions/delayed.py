@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..rotation import FloatArray
-from ..vector import Vector
-from .base import Axis, Interval, Motion, Rates, Reach, Smooth, farthest_from_zero
+from ..geometry.arrays import FloatArray
+from ..geometry.vector import Vector
+from .motion import Axis, Interval, Motion, Rates, Reach, Smooth, farthest_from_zero
 
 
 @dataclass(frozen=True, slots=True)

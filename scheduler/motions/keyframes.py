@@ -8,14 +8,15 @@ from math import inf, nextafter
 
 import numpy as np
 
-from ..rotation import FloatArray, chord, transform
-from ..vector import ZERO, Vector, norm, unit
-from .base import Axis, Interval, Rates, Reach
-from .hermite import Translation, path_between
-from .path import Path
-from .spans import Span, end_of
-from .spread import STILL
-from .turning import Turning
+from ..geometry.arrays import FloatArray
+from ..geometry.transform import chord, transform
+from ..geometry.vector import ZERO, Vector, norm, unit
+from .acceleration_set import STILL
+from .key_interpolation import Translation, path_between
+from .key_interval import Span, end_of
+from .key_rotation import Turning
+from .key_translation import Path
+from .motion import Axis, Interval, Rates, Reach
 
 
 @dataclass(frozen=True, slots=True, eq=False)

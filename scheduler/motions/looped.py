@@ -7,12 +7,13 @@ from math import floor, inf, nextafter, ulp
 
 import numpy as np
 
-from ..rotation import FloatArray, chord
-from ..vector import Vector
-from .base import Axis, Interval, Rates, Reach, farthest_from_zero
+from ..geometry.arrays import FloatArray
+from ..geometry.transform import chord
+from ..geometry.vector import Vector
 from .bernstein import EPSILON
+from .key_interval import end_of
 from .keyframes import Keyframes, stop_before
-from .spans import end_of
+from .motion import Axis, Interval, Rates, Reach, farthest_from_zero
 
 #: The ends of a loop are the same where they differ by less than this many eps, of a turn and of the coordinates.
 SAME = 4.0

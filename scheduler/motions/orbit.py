@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import cos, sin
 
-from ..rotation import IDENTITY, FloatArray, chord, transform, turn
-from ..vector import ZERO, Vector, add, cross, scale
-from .base import Axis, Interval, Rates, Reach, Smooth, farthest_from_zero
-from .spread import disc
+from ..geometry.arrays import FloatArray
+from ..geometry.transform import IDENTITY, chord, transform, turn
+from ..geometry.vector import ZERO, Vector, add, cross, scale
+from .acceleration_set import disc
+from .motion import Axis, Interval, Rates, Reach, Smooth, farthest_from_zero
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,11 +6,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..rotation import FloatArray, chord, transform, turn
-from ..vector import ZERO, Vector, add, norm, scale, unit
-from .base import Axis, Interval, Rates, Reach, Smooth, farthest_from_zero
+from ..geometry.arrays import FloatArray
+from ..geometry.transform import chord, transform, turn
+from ..geometry.vector import ZERO, Vector, add, norm, scale, unit
+from .acceleration_set import STILL, between
 from .bernstein import Arc
-from .spread import STILL, between
+from .motion import Axis, Interval, Rates, Reach, Smooth, farthest_from_zero
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import hypot, pi
 
-from ..rotation import FloatArray, apply, chord, turn, turned_about
-from ..vector import ZERO, Vector, add, cross, distance_to_line, norm, scale
-from .base import Axis, Interval, Rates, Reach, Smooth, farthest_from_zero
-from .spread import disc
+from ..geometry.arrays import FloatArray
+from ..geometry.transform import apply, chord, turn, turned_about
+from ..geometry.vector import ZERO, Vector, add, cross, distance_to_line, norm, scale
+from .acceleration_set import disc
+from .motion import Axis, Interval, Rates, Reach, Smooth, farthest_from_zero
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,11 +26,16 @@ class Spoil:
     new: str
     test: str
 
+    @property
+    def place(self) -> str:
+        """The module's file, below scheduler/."""
+        return f"{self.module.replace('.', '/')}.py"
+
     def applied(self, source: str) -> str:
         """Return the module's text with the lemma spoilt."""
         found = source.count(self.old)
         if found != 1:
-            place = f"scheduler/{self.module.replace('.', '/')}.py"
+            place = f"scheduler/{self.place}"
             remedy = "expected once: let tests/spoilt/lemmas.py spoil what stands there now"
             raise LookupError(f"spoil {self.name}: {self.old!r} stands {found} times in {place}, {remedy}")
         return source.replace(self.old, self.new)

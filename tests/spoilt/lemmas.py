@@ -8,7 +8,7 @@ SPOILS = (
     Spoil(
         "arms-of-the-frozen-chain",
         "L2: the arm of each joint grows by what the joints below it do",
-        "chain",
+        "kinematics.chain",
         "grown = Reach(reach.radius + below, reach.axis_radius + below)",
         "grown = reach",
         "test_lemmas.py::test_what_slides_out_on_a_turntable_goes_a_spiral",
@@ -16,7 +16,7 @@ SPOILS = (
     Spoil(
         "no-coriolis",
         "L3: a point that moves in a turning frame is accelerated by 2 w v",
-        "chain",
+        "kinematics.chain",
         "+ 2.0 * spin * rates.speed",
         "",
         "test_lemmas.py::test_what_slides_out_on_a_turntable_goes_a_spiral",
@@ -24,7 +24,7 @@ SPOILS = (
     Spoil(
         "no-centripetal-of-frames",
         "L3: a frame that turns accelerates what it carries by w^2 of the arm",
-        "chain",
+        "kinematics.chain",
         "(spin_up + spin**2) * arm",
         "spin_up * arm",
         "test_lemmas.py::test_what_slides_out_on_a_turntable_goes_a_spiral",
@@ -32,7 +32,7 @@ SPOILS = (
     Spoil(
         "arms-that-do-not-grow-in-rates",
         "L3: the arm of a carried frame grows until the horizon",
-        "chain",
+        "kinematics.chain",
         "arm += joint.motion.displacement(moment.time, duration, origin_reach(joint.motion))",
         "arm += 0.0",
         "test_lemmas.py::test_what_slides_out_on_a_turntable_goes_a_spiral",
@@ -40,7 +40,7 @@ SPOILS = (
     Spoil(
         "no-gyroscopic-acceleration",
         "L3: spins about different axes accelerate each other by their product",
-        "chain",
+        "kinematics.chain",
         "spin_up += rates.angular_acceleration + spin * rates.angular_speed",
         "spin_up += rates.angular_acceleration",
         "test_lemmas.py::test_spins_about_crossed_axes_accelerate_each_other",
@@ -48,7 +48,7 @@ SPOILS = (
     Spoil(
         "displacement-of-the-last-joint",
         "L1: along a chain displacements add up",
-        "chain",
+        "kinematics.chain",
         "total += joint.motion.displacement(moment.time, duration, reach)",
         "total = joint.motion.displacement(moment.time, duration, reach)",
         "test_motions.py::test_bounds_hold_through_random_chains_of_moving_parents",
@@ -56,7 +56,7 @@ SPOILS = (
     Spoil(
         "rounding-forgotten",
         "each term of each pose adds to what floating point may misplace",
-        "chain",
+        "kinematics.chain",
         "return 8.0 * float(np.finfo(float).eps) * (size + reach)",
         "return 0.0 * (size + reach)",
         "test_motions.py::test_fixed_frames_that_cancel_are_counted_in_the_rounding",
@@ -64,7 +64,7 @@ SPOILS = (
     Spoil(
         "rounding-a-four-hundredth",
         "the same, each by 8 eps",
-        "chain",
+        "kinematics.chain",
         "return 8.0 * float(np.finfo(float).eps) * (size + reach)",
         "return 0.02 * float(np.finfo(float).eps) * (size + reach)",
         "test_motions.py::test_fixed_frames_that_cancel_are_counted_in_the_rounding",
@@ -72,7 +72,7 @@ SPOILS = (
     Spoil(
         "knots-ignored",
         "L3: the lecture's a holds until the next knot",
-        "relative",
+        "kinematics.relative_motion",
         "return duration if knot - t > duration else min(duration, shortened(t, knot - t))",
         "return duration",
         "test_lemmas.py::test_the_lecture_looks_no_farther_than_the_next_knot",
@@ -80,7 +80,7 @@ SPOILS = (
     Spoil(
         "jumps-slept-across",
         "L1: a pair wakes at the last float before a jump, and at it",
-        "relative",
+        "kinematics.relative_motion",
         "return min(self.a.stop_after(t), self.b.stop_after(t))",
         "return inf",
         "test_run.py::test_a_step_into_a_solid_is_seen_at_the_jump",
@@ -88,7 +88,7 @@ SPOILS = (
     Spoil(
         "radii-nine-tenths",
         "L3: a spin moves the outermost point of a body",
-        "relative",
+        "kinematics.relative_motion",
         "radius_a, radius_b = self.a.radius(part), self.b.radius(part)",
         "radius_a, radius_b = 0.9 * self.a.radius(part), 0.9 * self.b.radius(part)",
         "test_lemmas.py::test_the_lectures_speed_and_acceleration_are_those_of_the_outermost_points",
@@ -96,7 +96,7 @@ SPOILS = (
     Spoil(
         "no-centripetal-of-points",
         "L3: a spin accelerates a body's points by w^2 of their radius",
-        "relative",
+        "kinematics.relative_motion",
         "(rates.angular_acceleration + rates.angular_speed**2) * radius",
         "rates.angular_acceleration * radius",
         "test_lemmas.py::test_the_lectures_speed_and_acceleration_are_those_of_the_outermost_points",
@@ -104,7 +104,7 @@ SPOILS = (
     Spoil(
         "steady-acceleration-forgotten",
         "L3: what stays the same of an acceleration counts as well",
-        "relative",
+        "kinematics.relative_motion",
         "return Approach(speed, norm(steady) + varying.size, horizon, steady, varying)",
         "return Approach(speed, varying.size, horizon, steady, varying)",
         "test_lemmas.py::test_the_lectures_speed_and_acceleration_are_those_of_the_outermost_points",
@@ -112,7 +112,7 @@ SPOILS = (
     Spoil(
         "the-second-speed-forgotten",
         "L3: the lecture's v is that of both bodies",
-        "relative",
+        "kinematics.relative_motion",
         "speed = norm(subtract(v_a, v_b)) + norm(w_a) * radius_a + norm(w_b) * radius_b",
         "speed = norm(subtract(v_a, v_b)) + norm(w_a) * radius_a",
         "test_lemmas.py::test_the_lectures_speed_and_acceleration_are_those_of_the_outermost_points",
@@ -120,7 +120,7 @@ SPOILS = (
     Spoil(
         "past-the-horizon",
         "L3: past the horizon nothing is known",
-        "relative",
+        "kinematics.relative_motion",
         "if duration > self.horizon:",
         "if duration > 2.0 * self.horizon:",
         "test_lemmas.py::test_no_two_points_get_farther_than_the_lecture_says",
@@ -128,7 +128,7 @@ SPOILS = (
     Spoil(
         "unknown-paths-that-stand-still",
         "L1: the ball of an unknown path grows",
-        "relative",
+        "kinematics.relative_motion",
         "return self.spread(t + duration) - self.spread(t) if self.unknown else 0.0",
         "return 0.0",
         "test_lemmas.py::test_balls_of_unknown_paths_grow_by_what_their_limits_allow",
@@ -136,15 +136,15 @@ SPOILS = (
     Spoil(
         "displacement-for-path-length",
         "T1: what two measurements prove rests on the arc length",
-        "relative",
-        "path = min(self.path_length(moments, duration), straight)",
-        "path = min(self.displacement(moments, duration), straight)",
+        "bounds.motion_bound",
+        "path = min(motion.path_length(moments, duration), straight)",
+        "path = min(motion.displacement(moments, duration), straight)",
         "test_lemmas.py::test_what_swings_to_and_fro_is_not_proved_apart_by_where_it_ends",
     ),
     Spoil(
         "half-the-acceleration",
         "L3: t_c is the root of v t + a t^2 / 2",
-        "bounds",
+        "bounds.closed_form",
         "sqrt(2.0 * acceleration * clearance)",
         "sqrt(acceleration * clearance)",
         "test_bounds.py::test_time_bound_is_the_root_of_the_quadratic",
@@ -152,7 +152,7 @@ SPOILS = (
     Spoil(
         "half-the-path-length",
         "T1: a point between two measurements has all the way left over behind it",
-        "bounds",
+        "bounds.closed_form",
         "0.5 * (before + after - path_length)",
         "0.5 * (before + after - 0.5 * path_length)",
         "test_bounds.py::test_two_sided_clearance_needs_arc_length_not_displacement",
@@ -160,7 +160,7 @@ SPOILS = (
     Spoil(
         "sleeps-to-the-last-bit",
         "a sleep ends before its bound does, after rounding",
-        "bounds",
+        "geometry.rounding",
         "return max(0.0, duration * (1.0 - RELATIVE_ROUNDING) - ulp(abs(now) + duration))",
         "return duration",
         "test_bounds.py::test_a_sleep_from_any_time_ends_before_the_bound_does",
@@ -168,7 +168,7 @@ SPOILS = (
     Spoil(
         "triangle-slabs-close-half-as-fast",
         "L4: the corners of both triangles close a slab",
-        "directional",
+        "bounds.triangle_slabs",
         "closings = approach[:, :, None] - retreat[:, None, :] + self._slack",
         "closings = 0.5 * (approach[:, :, None] - retreat[:, None, :]) + self._slack",
         "test_lemmas.py::test_triangles_that_fly_at_each_other_close_their_slab_at_both_speeds",
@@ -176,7 +176,7 @@ SPOILS = (
     Spoil(
         "triangle-slabs-without-bends",
         "L4: accelerations close a slab",
-        "directional",
+        "bounds.triangle_slabs",
         "bends = np.maximum(0.0, directions @ self._steady + self._varying.along(directions))",
         "bends = np.maximum(0.0, directions @ self._steady)",
         "test_directional.py::test_a_steady_acceleration_closes_a_gap_by_its_part_across_it",
@@ -184,7 +184,7 @@ SPOILS = (
     Spoil(
         "triangles-out-of-reach",
         "L4: all pairs of triangles within reach have a slab",
-        "nearby",
+        "narrow.triangle_pairs",
         "limit = reach * (1.0 + ROUNDING)",
         "limit = 0.9 * reach",
         "test_narrow_phase.py::test_near_triangles_of_large_meshes_are_all_found",
@@ -192,7 +192,7 @@ SPOILS = (
     Spoil(
         "reach-without-displacement",
         "L4: what has no slab is farther away than the bodies get",
-        "pair",
+        "pairs.pair",
         "reach = self.motion.displacement(moments, near.horizon) * (1.0 + 1e-6) + beyond",
         "reach = 0.5 * self.motion.displacement(moments, near.horizon) + beyond",
         "test_lemmas_pairs.py::test_what_triangles_are_left_out_of_slabs_is_farther_away_than_the_bodies_get",
@@ -200,7 +200,7 @@ SPOILS = (
     Spoil(
         "body-slabs-without-bends",
         "L4: accelerations close the slab between whole bodies",
-        "slab",
+        "bounds.body_slab",
         "bends = np.maximum(0.0, axes @ np.array(near_future.steady) + near_future.varying.along(axes))",
         "bends = np.maximum(0.0, axes @ np.array(near_future.steady))",
         "test_slab.py::test_an_acceleration_closes_it_by_its_part_across",
@@ -208,7 +208,7 @@ SPOILS = (
     Spoil(
         "body-slabs-without-errors",
         "L4: errors of measurement are taken off a slab",
-        "slab",
+        "bounds.body_slab",
         "self._lost = error + ROUNDING",
         "self._lost = ROUNDING",
         "test_lemmas.py::test_errors_of_measurement_are_taken_off_slabs",
@@ -216,7 +216,7 @@ SPOILS = (
     Spoil(
         "ball-slabs-without-bends",
         "L4: accelerations of the middles close the slab between balls",
-        "ball_slab",
+        "bounds.sphere_slabs",
         "return Gap(dot(way, apart) - self._lost, dot(way, closing) + self._slack, max(0.0, bend))",
         "return Gap(dot(way, apart) - self._lost, dot(way, closing) + self._slack, 0.0)",
         "test_ball_slab.py::test_balls_stay_apart_while_the_slab_does",
@@ -224,7 +224,7 @@ SPOILS = (
     Spoil(
         "knots-crossed-for-nothing",
         "L4: what lies between a slab's horizon and the next slab is covered by L1",
-        "ball_slab",
+        "bounds.sphere_slabs",
         "kept = min(kept, slab.clearance(slab.horizon) - moved)",
         "kept = inf",
         "test_ball_slab.py::test_the_clearance_of_slabs_that_follow_each_other_is_kept",
@@ -232,7 +232,7 @@ SPOILS = (
     Spoil(
         "overlaps-of-a-body-at-rest",
         "L4b: the corners of both triangles near the border of P",
-        "overlap",
+        "bounds.triangle_overlap",
         "+ (twists[1].at(near.other) @ onto).max(axis=1) + slack",
         "+ slack",
         "test_overlap.py::test_triangles_on_random_motions_meet_as_long_as_is_said",
@@ -240,7 +240,7 @@ SPOILS = (
     Spoil(
         "overlaps-without-bends",
         "L4b: accelerations take corners to the border of P",
-        "overlap",
+        "bounds.triangle_overlap",
         "bends = np.maximum(0.0, near_future.varying.along(directions) - directions @ np.array(near_future.steady))",
         "bends = np.zeros(directions.shape[:2])",
         "test_overlap.py::test_triangles_on_random_motions_meet_as_long_as_is_said",
@@ -248,7 +248,7 @@ SPOILS = (
     Spoil(
         "inner-balls-without-bends",
         "T5: accelerations take the middles of inner balls apart",
-        "inner_balls",
+        "bounds.inscribed_spheres",
         "self._bend = near.acceleration",
         "self._bend = 0.0",
         "test_inner_balls.py::test_balls_on_random_motions_meet_as_long_as_is_said",
@@ -256,7 +256,7 @@ SPOILS = (
     Spoil(
         "inner-balls-too-large",
         "T5: inner balls lie inside the solids",
-        "narrow_phase",
+        "narrow.narrow_phase",
         "return max(0.0, held - self.own_error(body))",
         "return 1.1 * held",
         "test_inner_balls.py::test_the_radius_about_the_middle_is_that_of_closed_forms",
@@ -264,7 +264,7 @@ SPOILS = (
     Spoil(
         "contact-depth-doubled",
         "T5: a contact lasts while the bodies get no farther than its depth",
-        "hold",
+        "pairs.contact",
         "self._while_deep(self._pair.depth(touching), touching, horizon)",
         "self._while_deep(2.0 * self._pair.depth(touching), touching, horizon)",
         "test_lemmas_pairs.py::test_capsules_that_cross_at_their_ends_touch_until_they_have_gone_their_depth",
@@ -272,7 +272,7 @@ SPOILS = (
     Spoil(
         "rounded-depth-doubled",
         "T5: rounded shapes are as deep as their radii exceed the distance of their cores",
-        "narrow_phase",
+        "narrow.narrow_phase",
         "deepest = max(deepest, rounding - self._cores(one, other).distance)",
         "deepest = max(deepest, 2.0 * (rounding - self._cores(one, other).distance))",
         "test_lemmas_pairs.py::test_capsules_that_cross_at_their_ends_touch_until_they_have_gone_their_depth",
@@ -280,7 +280,7 @@ SPOILS = (
     Spoil(
         "corner-depth-doubled",
         "T5: a corner inside a solid is as deep as the surface is near",
-        "narrow_phase",
+        "narrow.narrow_phase",
         "return self._timed(lambda: distance_from_point(corner, host))",
         "return 2.0 * self._timed(lambda: distance_from_point(corner, host))",
         "test_lemmas_pairs.py::test_a_corner_inside_a_box_is_as_deep_as_the_nearest_face",
@@ -288,7 +288,7 @@ SPOILS = (
     Spoil(
         "containment-not-asked",
         "L5: after time that is not proved clear a point decides containment",
-        "watch",
+        "pairs.monitor",
         "if proof.clearance <= 0.0 or known.hidden:",
         "if known.hidden:",
         "test_lemmas_pairs.py::test_what_is_shot_into_a_solid_between_two_steps_is_in_contact",
@@ -296,7 +296,7 @@ SPOILS = (
     Spoil(
         "containment-not-asked-at-jumps",
         "L5: at a jump a point decides containment",
-        "watch",
+        "pairs.monitor",
         "            measurement = self.pair.look_inside(measurement)\n        else:",
         "        else:",
         "test_run.py::test_a_step_into_a_solid_is_seen_at_the_jump",
@@ -304,7 +304,7 @@ SPOILS = (
     Spoil(
         "containment-not-asked-after-contact",
         "L5: at a contact's end a point decides containment",
-        "watch",
+        "pairs.monitor",
         "return self.pair.look_inside(measurement), Verdict.CONTACT, 0.0, nan",
         "return measurement, Verdict.CONTACT, 0.0, nan",
         "test_lemmas_pairs.py::test_what_is_shot_into_a_solid_between_two_steps_is_in_contact",
@@ -312,7 +312,7 @@ SPOILS = (
     Spoil(
         "margins-forgotten",
         "T1: CLEAR holds the margin",
-        "watch",
+        "pairs.monitor",
         "if (clear or hidden) and proof.clearance > known.margin:",
         "if (clear or hidden) and proof.clearance > 0.0:",
         "test_margins.py::test_a_graze_of_the_margin_is_never_called_clear_nor_a_contact",
@@ -320,7 +320,7 @@ SPOILS = (
     Spoil(
         "errors-not-taken-off",
         "T1: distances are measured ones less the error",
-        "pair",
+        "pairs.pair",
         "clearance = max(0.0, gap - self.error)",
         "clearance = max(0.0, gap)",
         "test_lemmas_pairs.py::test_what_is_certified_of_a_distance_is_less_by_the_error",
@@ -328,7 +328,7 @@ SPOILS = (
     Spoil(
         "errors-of-spheres-not-taken-off",
         "T1: so are distances of bounding spheres",
-        "pair",
+        "pairs.pair",
         "clearance = centres - self.motion.radii - self.motion.spread(t) - self.error",
         "clearance = centres - self.motion.radii - self.motion.spread(t)",
         "test_lemmas_pairs.py::test_what_is_certified_of_a_distance_is_less_by_the_error",
@@ -336,7 +336,7 @@ SPOILS = (
     Spoil(
         "least-distance-at-its-upper-end",
         "T7: what is certified was kept by the sleeps",
-        "minimum",
+        "pairs.least_distance",
         "Outlook(self._pair, measurement, keeps)",
         "Outlook(self._pair, measurement, 0.5 * keeps)",
         "test_minimum.py::test_the_bracket_of_a_gap_that_swings_is_tight",
@@ -344,7 +344,7 @@ SPOILS = (
     Spoil(
         "least-distance-across-jumps",
         "T7: joined stretches may hold jumps",
-        "minimum",
+        "pairs.least_distance",
         "stop = min(end, self._pair.motion.stop_after(time))",
         "stop = end",
         "test_lemmas_pairs.py::test_the_least_distance_is_sought_beyond_a_jump",
@@ -352,7 +352,7 @@ SPOILS = (
     Spoil(
         "windows-too-small",
         "L6: a swept box is widened by how far the body gets",
-        "swept",
+        "broad.swept_body",
         "reach = (self._radius + self._grown(start) + moved)",
         "reach = (self._radius + self._grown(start))",
         "test_broad_phase.py::test_the_windows_of_a_body_follow_one_another_and_hold_it",
@@ -360,7 +360,7 @@ SPOILS = (
     Spoil(
         "turned-windows-too-small",
         "L6: so is a body's own box",
-        "swept",
+        "broad.swept_body",
         "away = self._chain.displacement(whole, end - start) + RELATIVE_ROUNDING * self._radius",
         "away = 0.5 * self._chain.displacement(whole, end - start)",
         "test_broad_phase.py::test_the_windows_of_a_body_follow_one_another_and_hold_it",
@@ -368,7 +368,7 @@ SPOILS = (
     Spoil(
         "discs-that-do-not-turn",
         "L4: a disc of accelerations that is turned leaves its plane",
-        "motions.spread",
+        "motions.acceleration_set",
         "along += radius * norm(cross(normal, axis))",
         "along += 0.0",
         "test_lemmas.py::test_what_turns_about_an_axis_stays_in_what_is_said_to_hold_it",
@@ -384,7 +384,7 @@ SPOILS = (
     Spoil(
         "unknown-paths-that-do-not-speed-up",
         "an unknown path may gain speed",
-        "motions.limits",
+        "motions.unknown_path",
         "0.5 * self.max_acceleration * rising * rising",
         "0.0",
         "test_limits.py::test_the_reach_is_the_integral_of_the_fastest_speed",
@@ -394,5 +394,5 @@ SPOILS = (
 
 def table() -> str:
     """Return the table of docs/testing.md."""
-    rows = [f"| {one.lemma} | `{one.module}.py` | `{one.name}` | `{one.test}` |\n" for one in SPOILS]
+    rows = [f"| {one.lemma} | `{one.place}` | `{one.name}` | `{one.test}` |\n" for one in SPOILS]
     return "".join(["| lemma | where | how it is spoilt | which test notices |\n", "|---|---|---|---|\n", *rows])

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from ..errors import LogError
 from ..filters import require_pairs, require_topics
-from ..found import FINDINGS, Found, fold
 from ..reader import LogReader
+from ..result import FINDINGS, Found, fold
 from .difference import Comparison
 from .findings import Rules, differences, notes, require_comparable
 from .topics import TopicDiff

@@ -9,7 +9,7 @@ from enum import Enum
 from fnmatch import fnmatchcase
 from math import inf, isnan
 
-from ..choice import is_pair_among
+from ..message_filter import is_pair_among
 from ..reader import Loss
 
 Value = float | str | None

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from math import inf, nan
 from pathlib import Path
 
-from ..clock import seconds_told
+from ..container.clock import seconds_told
 from ..errors import LogError
-from ..found import Found
+from ..result import Found
 from ..summary import Contact, PairSummary
 from .align import aligned, gap
 from .difference import Cause, Difference, Ignored, Tolerances

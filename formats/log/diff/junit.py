@@ -6,8 +6,8 @@ import xml.etree.ElementTree as ElementTree
 from collections import defaultdict
 from pathlib import Path
 
-from ...scene.errors import printable
-from ..output import Output, published
+from ...scene.text.errors import printable
+from ..container.output import Output, published
 from .difference import Comparison, Difference
 from .wording import sentence
 

@@ -12,9 +12,9 @@ from typing import Any
 
 from google.protobuf.descriptor import Descriptor, FieldDescriptor
 
-from ..clock import NANOSECONDS_PER_SECOND
+from ..container.clock import NANOSECONDS_PER_SECOND
+from ..container.sources import Source
 from ..reader import LogReader
-from ..sources import Source
 from .difference import Cause, Difference, Ignored, Tolerances
 
 # Messages of one log that wait for their like in the other: some hundred bytes each. The oldest are given up.

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from math import isnan
 
-from ...scene.errors import counted
-from ..clock import seconds_told
+from ...scene.text.errors import counted
+from ..container.clock import seconds_told
 from .difference import Cause, Difference, Value
 
 _SCALES = {

@@ -8,8 +8,8 @@ from math import atan2, cos, degrees, radians, sin, tan
 
 import numpy as np
 
-from ....scheduler.scene import FloatArray
-from .reach import Reach
+from ....scheduler.geometry.arrays import FloatArray
+from .view_extent import Reach
 
 FIELD_OF_VIEW = 45.0  # degrees, upright
 _ASPECT = 1.05  # width by height of the 3D panel, while the sidebar is open

@@ -14,7 +14,8 @@ from foxglove_schemas_protobuf.SpherePrimitive_pb2 import SpherePrimitive
 from foxglove_schemas_protobuf.TriangleListPrimitive_pb2 import TriangleListPrimitive
 from foxglove_schemas_protobuf.Vector3_pb2 import Vector3
 
-from ....scheduler.scene import Body, FloatArray, Shape
+from ....scheduler.geometry.arrays import FloatArray
+from ....scheduler.model.scene import Body, Shape
 from .surfaces import Surface, ball_centre, outermost, outline, surface, triangle_count
 from .transforms import quaternions
 from .wire import embedded, indices, points, power_of_two, rounded

@@ -10,11 +10,12 @@ from foxglove_schemas_protobuf.SceneEntity_pb2 import SceneEntity
 from google.protobuf.timestamp_pb2 import Timestamp
 from numpy.typing import NDArray
 
-from ....scheduler.instants import changes_of_existence
-from ....scheduler.scene import Body, FloatArray, Scene
+from ....scheduler.geometry.arrays import FloatArray
+from ....scheduler.model.scene import Body, Scene
+from ....scheduler.snapshots.schedule import changes_of_existence
 from .colours import FIXED, MOVING, RED, RGB, colour
-from .crowd import Crowd
 from .drawings import Drawings
+from .instances import Crowd
 from .markers import line
 from .transforms import WORLD
 from .wire import Pieces, rounded, scene_update

@@ -9,8 +9,8 @@ from math import ceil, floor, log10
 from typing import Any
 
 from .camera import FIELD_OF_VIEW, Camera
-from .reach import Reach
 from .transforms import WORLD
+from .view_extent import Reach
 
 _GRID_CELLS = 10  # across the scene, or fewer by up to a factor 2.5
 

@@ -15,8 +15,8 @@ from foxglove_schemas_protobuf.SpherePrimitive_pb2 import SpherePrimitive
 from foxglove_schemas_protobuf.Vector3_pb2 import Vector3
 from google.protobuf.timestamp_pb2 import Timestamp
 
-from ....scheduler.events import Nearness, Point
-from ....scheduler.scene import FloatArray
+from ....scheduler.geometry.arrays import FloatArray
+from ....scheduler.model.events import Nearness, Point
 from .camera import Camera
 from .colours import RGB, WHITE, YELLOW, ClearanceScale, colour, mixed
 from .transforms import WORLD

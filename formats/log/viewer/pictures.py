@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from ....scheduler.instants import Instant
-from ....scheduler.packing import MadeLast, packed_stream, unpacked
-from ....scheduler.streams import observer_of
-from ..clock import nanoseconds
+from ....scheduler.parallel.merge import observer_of
+from ....scheduler.parallel.transport import MadeLast, packed_stream, unpacked
+from ....scheduler.snapshots.schedule import Instant
+from ..container.clock import nanoseconds
 from .viewer import Viewer, ViewerOptions
 from .wire import Pieces
 

@@ -7,7 +7,8 @@ from itertools import product
 
 import numpy as np
 
-from ....scheduler.scene import FloatArray, IntArray, Shape
+from ....scheduler.geometry.arrays import FloatArray, IntArray
+from ....scheduler.model.scene import Shape
 
 # Of the round part of a capsule: meridians about its axis, and rings from the equator to the pole.
 _MERIDIANS = 24

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from google.protobuf.timestamp_pb2 import Timestamp
 
-from ....scheduler.scene import FloatArray, IntArray
+from ....scheduler.geometry.arrays import FloatArray, IntArray
 from .wire import TAG_W, TAG_X, TAG_Y, TAG_Z, Bytes, embedded
 
 WORLD = "world"

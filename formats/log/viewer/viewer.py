@@ -13,15 +13,16 @@ from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from google.protobuf.timestamp_pb2 import Timestamp
 from numpy.typing import NDArray
 
-from ....scheduler.events import Collision, Nearness, PairKey, Phase, Snapshot, Verdict
-from ....scheduler.instants import changes_of_existence
-from ....scheduler.lineage import lineage
+from ....scheduler.geometry.arrays import FloatArray
+from ....scheduler.model.body_tree import lineage
+from ....scheduler.model.events import Collision, Nearness, PairKey, Phase, Snapshot, Verdict
+from ....scheduler.model.scene import Scene
+from ....scheduler.model.world_poses import WorldPoses
 from ....scheduler.motions import Fixed
-from ....scheduler.poses import WorldPoses
-from ....scheduler.scene import FloatArray, Scene
-from ....scheduler.snapshot import existing
+from ....scheduler.snapshots.schedule import changes_of_existence
+from ....scheduler.snapshots.snapshot import existing
 from .. import messages_pb2 as pb
-from ..chunks import Channel
+from ..container.chunks import Channel
 from ..summary import SEVERITY, Summary
 from .camera import camera
 from .colours import AMBER, RED
@@ -29,8 +30,8 @@ from .drawings import Drawings
 from .entities import BodyEntities, Look
 from .layout import CloseUp, layout
 from .markers import CallOuts, MarkerSizes, clearances, contact, names
-from .reach import reach
 from .transforms import TransformPacker
+from .view_extent import reach
 from .wire import Pieces, timestamp, update_in_pieces
 
 _SEVERITY = [verdict.name.lower() for verdict in SEVERITY]

@@ -11,8 +11,8 @@ from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from google.protobuf.timestamp_pb2 import Timestamp
 from numpy.typing import NDArray
 
-from ....scheduler.scene import FloatArray, IntArray
-from ..clock import NANOSECONDS_PER_SECOND
+from ....scheduler.geometry.arrays import FloatArray, IntArray
+from ..container.clock import NANOSECONDS_PER_SECOND
 
 Bytes = NDArray[np.uint8]
 Pieces = tuple[bytes, ...]

@@ -1,0 +1,36 @@
+"""`closecall completion`: what makes a shell complete commands, options and files."""
+
+from __future__ import annotations
+
+import click
+
+SHELLS = ("bash", "zsh", "fish")
+
+#: Set by the shell's function when it asks for what may come next.
+VARIABLE = "_CLOSECALL_COMPLETE"
+
+
+@click.command("completion")
+@click.argument("shell", type=click.Choice(SHELLS))
+def command(shell: str) -> int:
+    """Print the script that makes SHELL complete commands, options and files.
+
+    \b
+    To have it in every new shell:
+      bash  add to ~/.bashrc:  eval "$(closecall completion bash)"
+      zsh   add to ~/.zshrc:   eval "$(closecall completion zsh)"
+      fish  once:              closecall completion fish > ~/.config/fish/completions/closecall.fish
+
+    \b
+    Examples:
+      eval "$(closecall completion bash)"
+      closecall completion zsh > _closecall
+    """
+    from click.shell_completion import get_completion_class
+
+    from ..main import group
+
+    kind = get_completion_class(shell)
+    assert kind is not None
+    click.echo(kind(group, {}, "closecall", VARIABLE).source())
+    return 0

@@ -1,0 +1,92 @@
+"""`closecall diff`: whether a new log says what a golden one does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ..faults import exit_code_of, faults_reported
+from ..options import FILE_NAME
+
+if TYPE_CHECKING:
+    from ...formats.log.diff.findings import Rules
+
+
+def _tolerance(name: str, unit: str, default: float, text: str) -> Callable[[Any], Any]:
+    return click.option(name, type=click.FloatRange(0.0), default=default, show_default=True, metavar=unit, help=text)
+
+
+@click.command("diff")
+@click.argument("golden", type=FILE_NAME)
+@click.argument("new", type=FILE_NAME)
+@_tolerance("--time-tol", "S", 1e-6, "Times may differ by so much, s.")
+@_tolerance("--time-rtol", "SHARE", 0.0, "And by this share of the golden time.")
+@_tolerance("--distance-tol", "M", 1e-6, "Distances may differ by so much, m.")
+@_tolerance("--distance-rtol", "SHARE", 0.0, "And by this share of the golden distance.")
+@click.option("--within-brackets", is_flag=True, help="Minima agree where both logs' certified brackets allow it.")
+@click.option(
+    "--ignore",
+    multiple=True,
+    metavar="GLOB",
+    help="Leave out a pair ('arm|*'), a body ('tool*'), a topic ('/viz/*') or its field ('/wakeups.sleep').",
+)
+@click.option("--all", "every_topic", is_flag=True, help="Compare every message too, not only what was found.")
+@click.option("--limit", type=click.IntRange(1), default=10, show_default=True, help="Differences shown, at most.")
+@click.option("--json", "as_json", is_flag=True, help="Print all differences as JSON.")
+@click.option("--junit", type=FILE_NAME, metavar="FILE", help="Write a JUnit report, a case a pair.")
+@click.option("-q", "--quiet", is_flag=True, help="Print nothing; the exit code tells.")
+def command(
+    golden: Path,
+    new: Path,
+    every_topic: bool,
+    limit: int,
+    as_json: bool,
+    junit: Path | None,
+    quiet: bool,
+    **given: Any,
+) -> int:
+    """Compare the log NEW with the log GOLDEN by what they say: verdicts, contacts, least distances.
+
+    Chunks, compression, channels, epoch and version play no part. Exit code: 0 the same, 1 different, 2 not
+    comparable, 3 damaged.
+
+    \b
+    Examples:
+      closecall diff golden.mcap new.mcap
+      closecall diff golden.mcap new.mcap --time-tol 1e-4 --distance-tol 1e-5 --ignore 'arm|*'
+      closecall diff golden.mcap new.mcap --all --ignore '/viz/*' --json
+      closecall diff golden.mcap new.mcap --junit report.xml
+    """
+    from ...formats.log.container.output import JUNIT, Output
+    from ...formats.log.diff.compare import compare
+    from ...formats.log.diff.junit import write_junit
+    from ..show import print_json
+    from ..show_diff import as_values, print_comparison
+
+    with faults_reported():
+        output = None if junit is None else Output(junit, [golden, new], JUNIT, "--junit")
+        comparison = compare(golden, new, _rules(**given), every_topic)
+        if output is not None:
+            write_junit(output, comparison, golden, new)
+        if as_json:
+            print_json(as_values(comparison, golden, new))
+        elif not quiet:
+            print_comparison(comparison, limit)
+        return exit_code_of(*comparison.losses, otherwise=int(bool(comparison.differences)))
+
+
+def _rules(
+    time_tol: float,
+    time_rtol: float,
+    distance_tol: float,
+    distance_rtol: float,
+    within_brackets: bool,
+    ignore: tuple[str, ...],
+) -> Rules:
+    from ...formats.log.diff.difference import Ignored, Tolerances
+    from ...formats.log.diff.findings import Rules
+
+    return Rules(Tolerances(time_tol, distance_tol, time_rtol, distance_rtol), Ignored(ignore), within_brackets)

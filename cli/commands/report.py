@@ -1,0 +1,41 @@
+"""`closecall report`: a log as one page for people."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ...formats.log.container.output import REPORT, destination, published
+from ...formats.log.container.pipe import STDOUT
+from ..faults import exit_code_of, faults_reported, raise_interrupts
+from ..options import FILE_NAME
+from ..terminal import say
+
+
+@click.command("report")
+@click.argument("log", type=FILE_NAME)
+@click.option("-o", "--output", type=FILE_NAME, metavar="PAGE", help="The page; - for standard output.")
+@click.option("-q", "--quiet", is_flag=True, help="Do not tell where the page is.")
+def command(log: Path, output: Path | None, quiet: bool) -> int:
+    """Write what LOG found as one HTML page, which needs no network; without -o beside the log, under its name.
+
+    \b
+    Examples:
+      closecall report out.mcap
+      closecall report out.mcap -o page.html
+    """
+    from ...formats.report.gathering import gather
+    from ...formats.report.page import page
+
+    target = log.parent / f"{log.stem}.html" if output is None else output
+    with faults_reported():
+        raise_interrupts()
+        place = destination(target, [log], REPORT)
+        gathered = gather(log)
+        data = page(gathered).encode()
+        with published(place) as stream:
+            stream.write(data)
+        if not quiet and target != STDOUT:
+            say(f"{target}: {len(data) / 1e6:.1f} MB")
+        return exit_code_of(gathered.found.loss or gathered.loss)

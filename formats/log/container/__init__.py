@@ -1,0 +1,1 @@
+"""The bytes of an MCAP file: records, chunks, attachments, whole or damaged."""

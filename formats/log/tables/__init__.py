@@ -1,0 +1,1 @@
+"""Messages as rows, for CSV, NDJSON and Parquet."""

@@ -1,0 +1,1 @@
+"""Numbers of a scene file to SI: units, poses, rotations."""

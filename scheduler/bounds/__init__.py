@@ -1,0 +1,1 @@
+"""How long a pair may sleep: one bound a file."""

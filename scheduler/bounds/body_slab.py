@@ -1,0 +1,122 @@
+"""The directional bound for whole bodies: one slab between them, whose sides move with all their points.
+
+A convex body lies on one side of the plane that its nearest triangle touches, as does much that is nearly convex there.
+Then one direction serves for all triangles, near and far, and is exact up to the acceleration.
+"""
+
+from __future__ import annotations
+
+from math import inf
+from typing import NamedTuple
+
+import numpy as np
+
+from ..geometry.arrays import FloatArray
+from ..geometry.rounding import RELATIVE_ROUNDING
+from ..kinematics.chain import Twist
+from ..kinematics.relative_motion import Approach
+from ..narrow.slivers import EPSILON
+from .triangle_slabs import axes_between, roots
+
+#: Widths err by no more than this many eps times the points' coordinates.
+ROUNDING = 16.0 * EPSILON
+#: The first trial lies this share below the root, where the width is just above zero.
+TRIAL_ROUNDING = 1e-9
+#: How often the time that the slab lasts is bracketed tighter.
+STEPS = 12
+
+
+class Points(NamedTuple):
+    """The points (n, 3) m that span a body, each rounded by its radius (n,) m, and how they move."""
+
+    places: FloatArray
+    radii: FloatArray
+    twist: Twist
+
+
+class Slab:
+    """The slab between two bodies at one time that lasts longest, of those along the axes of their nearest triangles.
+
+    Its width after s is the least of the one body's n.q + n.v s less the most of the other's, less what accelerations
+    may do: a concave function of s, so that it is positive from now up to wherever it is found to be.
+
+    Attributes:
+        horizon: s, how far ahead it may be asked of.
+    """
+
+    def __init__(
+        self,
+        one: Points,
+        other: Points,
+        nearest: tuple[FloatArray, FloatArray],
+        error: float,
+        beyond: float,
+        near_future: Approach,
+        slack: float,
+    ) -> None:
+        """Take the bodies.
+
+        Args:
+            one, other: the bodies' points.
+            nearest: the corners (3, 3) m of the triangle of each that is nearest to the other body.
+            error: m, by which placed points may be wrong.
+            beyond: m, the width that the slab is chosen to keep.
+            near_future: how any point of the one accelerates relative to any of the other, and until when.
+            slack: m/s, by which the velocities may be wrong.
+        """
+        self.horizon = near_future.horizon
+        self._lost = error + ROUNDING * max(float(np.abs(points.places).max()) for points in (one, other))
+        self._slack = slack
+        self._certain = 0.0
+        axes = axes_between(nearest[0][None], nearest[1][None])[0]
+        low, high = axes @ one.places.T + one.radii, axes @ other.places.T - other.radii
+        widths = high.min(axis=1) - low.max(axis=1) - self._lost
+        wide = widths > max(beyond, 0.0)
+        if not wide.any():
+            return
+        axes, low, high = axes[wide], low[wide], high[wide]
+        approach, retreat = one.twist.along(axes, one.places), other.twist.along(axes, other.places)
+        closings = approach.max(axis=1) - retreat.min(axis=1) + slack
+        bends = np.maximum(0.0, axes @ np.array(near_future.steady) + near_future.varying.along(axes))
+        lasting = roots(widths[wide] - beyond, closings, bends)
+        best = int(lasting.argmax())
+        self._low, self._approach = _foremost(low[best], approach[best], self.horizon)
+        self._high, self._retreat = (-row for row in _foremost(-high[best], -retreat[best], self.horizon))
+        self._bend = float(bends[best])
+        self._certain = float(lasting[best])
+
+    def _width(self, since: float) -> float:
+        """Return a lower bound (m) on the distance `since` s later, at most the horizon; the slab's, if positive."""
+        other = float((self._high + self._retreat * since).min())
+        one = float((self._low + self._approach * since).max())
+        closed = self._lost + self._slack * since + 0.5 * self._bend * since**2
+        return (other - one) * (1.0 - RELATIVE_ROUNDING) - closed * (1.0 + RELATIVE_ROUNDING)
+
+    def sleep(self, spare: float) -> float:
+        """Return how long (s, <= horizon) it stays wider than `spare` m; errs low."""
+        if self._certain <= 0.0 or self._width(0.0) <= spare:
+            return 0.0
+        if self._width(self.horizon) > spare:
+            return self.horizon
+        low, high = 0.0, self.horizon
+        middle = self._certain * (1.0 - TRIAL_ROUNDING)
+        for _ in range(STEPS):
+            if self._width(middle) > spare:
+                low = middle
+            else:
+                high = middle
+            middle = 0.5 * (low + high)
+        return low * (1.0 - RELATIVE_ROUNDING)
+
+    def clearance(self, duration: float) -> float:
+        """Return a lower bound (m) on the distance over the next `duration` s; -inf past the horizon, without slab."""
+        if self._certain <= 0.0 or duration > self.horizon:
+            return -inf
+        return min(self._width(0.0), self._width(duration))
+
+
+def _foremost(places: FloatArray, speeds: FloatArray, horizon: float) -> tuple[FloatArray, FloatArray]:
+    """Return those of points (n,) m on a line, moving at (n,) m/s, that may be the foremost at times until then."""
+    after = places + speeds * horizon
+    overtaken = np.maximum(places, after) < np.minimum(places, after).max()
+    return places[~overtaken], speeds[~overtaken]

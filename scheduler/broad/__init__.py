@@ -1,0 +1,1 @@
+"""Swept boxes over windows of time: which pairs need to be known at all."""

@@ -1,0 +1,110 @@
+"""The pairs of a crowd of bodies: they enter the queue when their swept boxes meet, and leave it when they part."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterable, Iterator
+from math import inf
+
+from ..model.events import Bound, Event, Reason, Window
+from ..model.scene import Settings, pair_id
+from ..model.share import WHOLE, Share
+from ..pairs.monitor import Plan, Watch
+from ..pairs.pair_factory import Pairing
+from .broad_phase import Tick
+from .window_history import History
+
+
+class Crowd:
+    """Which pairs are in the queue, and what is known of those that have left it.
+
+    Invariant: at every time each pair that might collide is covered by disjoint swept boxes over windows that contain
+    that time, or is in the queue with a valid wakeup, or has been decided up to its end.
+    """
+
+    def __init__(self, pairing: Pairing, settings: Settings, ticks: Iterable[Tick], share: Share = WHOLE) -> None:
+        """Take what makes the scene's pairs; none is made yet. Of a share, only its pairs ever enter the queue.
+
+        `ticks` are the broad phase's.
+        """
+        self._pairing = pairing
+        self._settings = settings
+        self._share = share
+        self._ticks = iter(ticks)
+        self._tick = next(self._ticks, None)
+        self._bodies = len(pairing.scene.bodies)
+        self._history = History(self._bodies)
+        self._inside: set[int] = set()
+        self._never: set[int] = set()
+        self._outside: dict[int, Watch] = {}
+
+    @property
+    def next_tick(self) -> float:
+        """When windows end, and others begin, s; inf for never."""
+        return inf if self._tick is None else self._tick.time
+
+    def meet(self) -> Generator[Event, None, list[tuple[float, Reason, Watch]]]:
+        """Begin the windows of the next tick; tell them, and return the pairs that enter with their wakeups.
+
+        Every share has all windows, the first one tells them.
+
+        A pair that was cleared until now wakes now: the windows that end clear it up to this very time.
+        """
+        tick = self._tick
+        assert tick is not None
+        self._tick = next(self._ticks, None)
+        time = tick.time
+        self._history.add(tick.windows)
+        if self._share.number == 0:
+            yield from _told(tick)
+        entering = []
+        for a, b in tick.meeting.tolist():
+            watch = self._watch(a, b)
+            if watch is None:
+                continue
+            begin = watch.pair.start
+            if watch.decided < time:
+                yield from watch.clear(self._history.clearances(a, b, watch.decided, time))
+            first = time <= begin
+            entering.append((begin if first else time, Reason.START if first else Reason.WINDOW, watch))
+        return entering
+
+    def part(self, watch: Watch, plan: Plan) -> Plan:
+        """Return the pair's plan, or, where windows clear it for longer, how long they do: then it leaves the queue.
+
+        They have to clear it from when it is decided to: a last step that is to be tried finer is not.
+        """
+        key = watch.pair.key
+        if not watch.parting or (until := self._history.cleared_until(key.a, key.b, watch.decided)) < plan.time:
+            return plan
+        self._inside.discard(key.id)
+        self._outside[key.id] = watch
+        return Plan(until, Reason.WINDOW, Bound.WINDOWS)
+
+    def finish(self) -> Iterator[Event]:
+        """Yield what is left to tell of the pairs that have left and never met again."""
+        for _, watch in sorted(self._outside.items()):
+            key, end = watch.pair.key, watch.pair.end
+            yield from watch.clear(self._history.clearances(key.a, key.b, watch.decided, end))
+            yield from watch.finish()
+
+    def _watch(self, a: int, b: int) -> Watch | None:
+        """Return the watch of a pair that is to enter, made where it never has; None where it is in, or never does."""
+        number = pair_id(a, b, self._bodies)
+        if not self._share.has(number) or number in self._inside or number in self._never:
+            return None
+        watch = self._outside.pop(number, None)
+        if watch is None:
+            pair = self._pairing.pair(a, b)
+            if pair is None:
+                self._never.add(number)
+                return None
+            watch = Watch(pair, self._settings)
+        self._inside.add(number)
+        return watch
+
+
+def _told(tick: Tick) -> Iterator[Window]:
+    """Yield the windows of a tick as events."""
+    columns = (tick.windows.bodies, tick.windows.starts, tick.windows.ends, tick.windows.low, tick.windows.high)
+    for body, start, end, (x, y, z), (u, v, w) in zip(*(column.tolist() for column in columns), strict=True):
+        yield Window(body, start, end, (x, y, z), (u, v, w))

@@ -1,0 +1,1 @@
+"""Points, directions, transforms and how they round; knows no body."""

@@ -1,0 +1,1 @@
+"""Motions composed: chains of joints, and two chains seen from each other."""

@@ -1,0 +1,1 @@
+"""Distances at one instant, exact to a stated error; the one door to FCL."""

@@ -1,0 +1,1 @@
+"""What is known of one pair, and when it wakes."""

@@ -1,0 +1,130 @@
+"""What is certain of the time after a measurement: the cheap bounds first, directions where they pay."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import inf
+from typing import Generic, TypeVar
+
+from ..bounds import motion_bound
+from ..bounds.motion_bound import Proof
+from ..geometry.rounding import shortened, spendable
+from ..model.events import Bound
+from .pair import Measurement, Pair
+
+#: Directional bounds are asked where the others allow fewer than this many steps of the floor; that between the whole
+#: bodies otherwise too, as often as it pays.
+STEPS_TOO_FEW = 16.0
+#: A slab between the whole bodies looks this many times as far ahead as they do,
+WHOLE_LOOKAHEAD = 64.0
+#: pays where it lasts this many times as long, and then triangles are not looked at one by one.
+WHOLE_SUFFICES = 2.0
+#: Those look ahead between so many times as far: farther, more triangles are within reach.
+LEAST_LOOKAHEAD, MOST_LOOKAHEAD = 2.0, 32.0
+
+BoundT = TypeVar("BoundT")
+
+
+class Ahead(Generic[BoundT]):
+    """A bound from one measurement on, made when it is asked for, and anew when it is asked for farther ahead."""
+
+    def __init__(self, make: Callable[[float], BoundT]) -> None:
+        """Take what makes the bound for so many seconds ahead."""
+        self._make = make
+        self._looked = -inf
+        self._bound: BoundT
+
+    @property
+    def known(self) -> BoundT | None:
+        """What was made last, None before anything was."""
+        return self._bound if self._looked > -inf else None
+
+    def until(self, duration: float) -> BoundT:
+        """Return the bound for the next `duration` s, or longer."""
+        if duration > self._looked:
+            self._bound = self._make(duration)
+            self._looked = duration
+        return self._bound
+
+
+class Outlook:
+    """The bounds that hold from one measurement of a pair on."""
+
+    def __init__(self, pair: Pair, measurement: Measurement, keeps: float) -> None:
+        """Look ahead from a measurement of bodies apart; sleeps are to keep them more than `keeps` m apart."""
+        self._pair = pair
+        self._measurement = measurement
+        self._keeps = keeps
+        exact = measurement.proximity is not None
+        self._balls = Ahead(lambda duration: pair.ball_slabs(measurement, duration, keeps))
+        self._slab = Ahead(lambda duration: pair.slab(measurement, duration, keeps) if exact else None)
+        self._slabs = Ahead(lambda duration: pair.slabs(measurement, duration, keeps) if exact else None)
+
+    def sleep(self, horizon: float, floor: float) -> tuple[float, Bound]:
+        """Return the longest sleep (s, <= horizon) proved to keep the bodies apart, and the bound that allows it.
+
+        Args:
+            horizon: s, the longest sleep of interest, before the next stop.
+            floor: s, the least step that will be taken.
+        """
+        here = self._measurement
+        balls = self._balls.until(horizon).sleep(self._keeps)
+        if balls >= horizon:
+            return horizon, Bound.DIRECTIONAL
+        if here.proximity is None and balls >= min(horizon, STEPS_TOO_FEW * floor):
+            return shortened(here.time, balls), Bound.DIRECTIONAL
+        spare = max(0.0, spendable(here.clearance) - self._keeps)  # as `proof` has it
+        sleep, bound = motion_bound.sleep(self._pair.motion, here.moments, here.time, spare, horizon)
+        balls = shortened(here.time, balls)
+        if balls > sleep:
+            sleep, bound = balls, Bound.DIRECTIONAL
+        enough = sleep >= min(horizon, STEPS_TOO_FEW * floor)
+        if sleep >= horizon or (enough and not self._pair.whole.due()):
+            return sleep, bound
+        cheap = max(sleep, floor)
+        farther = shortened(here.time, self._whole(min(horizon, WHOLE_LOOKAHEAD * cheap)))
+        suffices = farther >= min(horizon, WHOLE_SUFFICES * cheap)
+        if enough:
+            self._pair.whole.tell(suffices)
+        elif not suffices:
+            farther = max(farther, shortened(here.time, self._between_triangles(horizon, cheap)))
+        return (farther, Bound.DIRECTIONAL) if farther > sleep else (sleep, bound)
+
+    def proof(self, after: Measurement) -> Proof:
+        """Return what is certain of the time until a later measurement; no jump lies between."""
+        here, motion = self._measurement, self._pair.motion
+        duration = after.time - here.time
+        parted = self._balls.until(duration).clearance(duration)
+        if here.proximity is None and parted > self._keeps:
+            return Proof(min(parted, here.clearance), 0.0)
+        proof = motion_bound.proof(motion, here.moments, here.clearance, duration, after.clearance)
+        if self._slab.known is None and self._slabs.known is None and proof.clearance <= self._keeps:
+            self._slab.until(duration)
+            self._slabs.until(duration)
+        if self._slab.known is not None:
+            parted = max(parted, self._slab.known.clearance(duration))
+        if self._slabs.known is not None:
+            displaced = motion.displacement(here.moments, duration)
+            parted = max(parted, self._slabs.known.clearance(duration, displaced))
+        return Proof(max(proof.clearance, min(parted, here.clearance)), proof.depth_limit)
+
+    def _whole(self, duration: float) -> float:
+        """Return how long (s) a slab between the whole bodies lasts, looking `duration` s ahead; 0 without one."""
+        slab = self._slab.until(duration)
+        return 0.0 if slab is None else min(duration, slab.sleep(self._keeps))
+
+    def _between_triangles(self, horizon: float, cheap: float) -> float:
+        """Return how long (s, <= horizon) slabs between the triangles last; `cheap` s are known to.
+
+        They look farther ahead each time they lasted as long as they looked, and less far where there were too many.
+        """
+        factor = self._pair.lookahead
+        ahead = min(horizon, factor * cheap)
+        slabs = self._slabs.until(ahead)
+        if slabs is None:
+            self._pair.lookahead = max(LEAST_LOOKAHEAD, 0.5 * factor)
+            return 0.0
+        lasts = slabs.sleep(self._keeps)
+        if lasts >= 0.9 * ahead:
+            self._pair.lookahead = min(MOST_LOOKAHEAD, 2.0 * factor)
+        return lasts

@@ -1,0 +1,113 @@
+"""Streams of events: what a share of the pairs tells, packed to travel between processes, and the merger of them all.
+
+The heap wakes the pair whose time comes first; which pairs it holds beside changes nothing for that pair. So the events
+of one heap of all pairs are those of the shares' heaps, always from the one whose next turn comes first.
+"""
+
+from __future__ import annotations
+
+import heapq
+import pickle
+from collections.abc import Generator, Iterable, Iterator, Sequence
+from itertools import groupby
+from math import inf
+from operator import itemgetter
+from typing import IO, NamedTuple
+
+from ..broad.active_pairs import Crowd
+from ..broad.broad_phase import BroadPhase, Tick
+from ..broad.windows import Sweeps, ToldWindows, Windows
+from ..model.events import Collision, Event, Snapshot, Window
+from ..model.share import Share
+from ..pairs.pair import Pair
+from ..pairs.pair_factory import Pairing
+from ..queue import WakeupQueue
+from ..run import run
+from ..snapshots.nearest_pairs import CrowdObserver
+from ..snapshots.schedule import Observes
+from ..snapshots.snapshot import Observer
+from .transport import Work, packed_stream, unpacked, unpacked_stream
+
+#: Turns that are packed, and unpacked, together. The merger holds so many of each stream.
+_TURNS_A_PACK = 256
+
+#: A turn in the heap, and whose part of it: of the ends of windows, first the windows, then the pairs that enter by id.
+Turn = tuple[float, int, int]
+
+
+class Stream(NamedTuple):
+    """What a share told.
+
+    Attributes:
+        turns: packed for `merged`.
+        collisions: those among them, in order, each with the latest turn up to then.
+        fcl: wall-clock seconds inside FCL that they took.
+    """
+
+    turns: bytes
+    collisions: list[tuple[Turn, Collision]]
+    fcl: float
+
+
+def windows_of(packed_work: bytes, share: Share) -> Windows:
+    """Return all windows of a share of the bodies, made in any process or thread."""
+    _, pairing = unpacked(packed_work)
+    return Sweeps(pairing, share).all()
+
+
+def packed_ticks(work: Work, shares: Iterable[Windows]) -> bytes:
+    """Return the ticks of a crowd as they travel, of what `windows_of` told of all shares of the bodies."""
+    return pickle.dumps(list(BroadPhase(work.scene, ToldWindows(Windows.joined(shares)))), pickle.HIGHEST_PROTOCOL)
+
+
+def stream(packed_work: bytes, share: Share, ticks: bytes | None = None) -> Stream:
+    """Run a share of the pairs to its end, in any process or thread, and return what it tells.
+
+    Of a crowd, `ticks` are what `packed_ticks` told.
+    """
+    work, pairing = unpacked(packed_work)
+    before = pairing.narrow_phase.seconds
+    queue = WakeupQueue()
+    told: list[Tick] | None = None if ticks is None else pickle.loads(ticks)
+    crowd = None if told is None else Crowd(pairing, work.settings, told, share)
+    pairs = pairing.all(share) if crowd is None else ()
+    collisions: list[tuple[Turn, Collision]] = []
+    turns = packed_stream(_turns(run(pairs, work.settings, crowd, queue), queue, collisions), _TURNS_A_PACK)
+    return Stream(turns, collisions, pairing.narrow_phase.seconds - before)
+
+
+def observer_of(pairing: Pairing, pairs: Sequence[Pair] | None, most_pairs: int) -> Observes[Snapshot]:
+    """Return what takes snapshots of a scene and of its pairs, None for those of a crowd."""
+    if pairs is None:
+        return CrowdObserver(pairing, most_pairs)
+    return Observer(pairing.scene, pairs, most_pairs, pairing.narrow_phase)
+
+
+def told_in_order(streams: Iterable[Stream]) -> list[Collision]:
+    """Return the collisions of all shares in the order of `merged`.
+
+    A turn that goes back, to refine, comes at once after the one before it: no other share's is earlier than that.
+    """
+    told = [collision for stream in streams for collision in stream.collisions]
+    return [collision for _, collision in sorted(told, key=itemgetter(0))]
+
+
+def merged(streams: Iterable[IO[bytes]]) -> Generator[Event, None, None]:
+    """Yield the events of all shares' streams in the order in which one run of all pairs has them."""
+    for _, events in heapq.merge(*map(unpacked_stream, streams), key=itemgetter(0)):
+        yield from events
+
+
+def _turns(
+    events: Iterable[Event], queue: WakeupQueue, collisions: list[tuple[Turn, Collision]]
+) -> Iterator[tuple[Turn, list[Event]]]:
+    """Yield the events by turns, and note the collisions among them."""
+    latest: Turn = (-inf, 0, 0)
+    for turn, some in groupby(events, lambda event: (*queue.turn, _part(event))):
+        told, latest = list(some), max(latest, turn)
+        collisions.extend((latest, event) for event in told if isinstance(event, Collision))
+        yield turn, told
+
+
+def _part(event: Event) -> int:
+    return -1 if isinstance(event, Window | Snapshot) else event.pair.id

@@ -1,0 +1,1 @@
+"""What viewers show at an instant; proves nothing."""
