@@ -15,14 +15,15 @@ import pytest
 from cli_process import closecall_inside
 from diff_logs import run_scene, write_scene
 
-from closecall.cli.main import COMMANDS, group, main
+from closecall.cli.group import COMMANDS, group
+from closecall.cli.main import main
 
 SAMPLES = Path(__file__).parents[1] / "sample_scenes"
 
 
 def examples(name: str) -> list[str]:
     """Return the examples in a command's help, or in that of closecall itself for no name."""
-    command = import_module(f"closecall.cli.{name}").command if name else group
+    command = import_module(f"closecall.cli.commands.{name}").command if name else group
     text = (command.help or "").partition("Examples:\n")[2]
     return [line.strip() for line in text.split("\n\n")[0].splitlines() if line.strip()]
 

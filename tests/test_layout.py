@@ -16,6 +16,75 @@ MAY_IMPORT = {
     "formats": {"scheduler", "formats"},
     "cli": {"scheduler", "formats", "cli"},
 }
+FLOORS = {
+    "scheduler": (
+        "geometry",
+        "motions",
+        "model",
+        "solids",
+        "kinematics",
+        "narrow",
+        "bounds",
+        "pairs",
+        "broad",
+        "queue",
+        "run",
+        "snapshots",
+        "parallel",
+    ),
+    "formats/scene": (
+        "limits",
+        "text",
+        "grammar",
+        "schema",
+        "loaded",
+        "quantities",
+        "mesh_files",
+        "trajectory_files",
+        "build",
+        "reader",
+    ),
+    "formats/log": (
+        "message_filter",
+        "messages_pb2",
+        "errors",
+        "container",
+        "messages",
+        "reader",
+        "tables",
+        "bracket",
+        "summary",
+        "doubts",
+        "severity",
+        "viewer",
+        "carried",
+        "result",
+        "writer",
+        "extract",
+        "filters",
+        "diff",
+    ),
+    "cli": (
+        "terminal",
+        "options",
+        "rate",
+        "faults",
+        "group",
+        "main",
+        "workers",
+        "progress",
+        "sharing",
+        "job",
+        "show",
+        "show_diff",
+        "understood",
+        "batch",
+        "commands",
+        "pytest_plugin",
+    ),
+}
+"""The rooms and files of a folder from the ground up: what stands in one imports itself and those before it."""
+
 HEAVY_IN_SCHEDULER = {"trimesh", "mcap", "click", "pydantic", "yaml", "rich", "google"}
 
 
@@ -44,6 +113,20 @@ def test_imports_run_one_way_from_cli_over_formats_to_scheduler(folder):
             parts = name.split(".")
             if parts[0] == "closecall" and len(parts) > 1:
                 assert parts[1] in MAY_IMPORT[folder], f"{path} imports {name}"
+
+
+@pytest.mark.parametrize("folder", FLOORS)
+def test_imports_run_down_the_floors_only(folder):
+    floors = FLOORS[folder]
+    standing = [path.relative_to(ROOT / folder).parts[0].removesuffix(".py") for path in sources(folder)]
+    assert {*standing} == {*floors, "__init__"}
+    prefix = ["closecall", *folder.split("/")]
+    for path, here in zip(sources(folder), standing, strict=True):
+        for name in imported(path):
+            parts = name.split(".")
+            if here != "__init__" and parts[: len(prefix)] == prefix and len(parts) > len(prefix):
+                there = parts[len(prefix)]
+                assert floors.index(there) <= floors.index(here), f"{path.relative_to(ROOT)} imports {name}"
 
 
 def test_one_module_imports_fcl_and_the_scheduler_knows_no_file_format():

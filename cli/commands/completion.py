@@ -6,9 +6,6 @@ import click
 
 SHELLS = ("bash", "zsh", "fish")
 
-#: Set by the shell's function when it asks for what may come next.
-VARIABLE = "_CLOSECALL_COMPLETE"
-
 
 @click.command("completion")
 @click.argument("shell", type=click.Choice(SHELLS))
@@ -28,7 +25,7 @@ def command(shell: str) -> int:
     """
     from click.shell_completion import get_completion_class
 
-    from ..main import group
+    from ..group import VARIABLE, group
 
     kind = get_completion_class(shell)
     assert kind is not None
