@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from closecall.scheduler.bounds.closed_form import longest_sleep, time_bound
-from closecall.scheduler.kinematics.chain import Chain, Joint, Moment, Part
+from closecall.scheduler.kinematics.chain import Chain, ChainState, Joint, Part
 from closecall.scheduler.model.extent import Ball, Extent
 from closecall.scheduler.motions import Motion
 
@@ -70,7 +70,7 @@ def ratios(chain: Chain, t: float, duration: float, points: np.ndarray) -> Ratio
 
 
 def straight_ratios(
-    chain: Chain, moment: Moment, duration: float, times: np.ndarray, away: np.ndarray
+    chain: Chain, moment: ChainState, duration: float, times: np.ndarray, away: np.ndarray
 ) -> tuple[float, float]:
     """Return the ratios of way and sleep of the lecture's bound, which looks no farther than the next knot."""
     horizon = min(duration, chain.knot_after(moment.time) - moment.time)

@@ -22,7 +22,7 @@ import trimesh
 from closecall.formats.scene.reader import read_scene
 from closecall.scheduler.model.events import Bound, Level, PairKey, Reason, Span, Verdict, Wakeup
 from closecall.scheduler.narrow.narrow_phase import NarrowPhase
-from closecall.scheduler.pairs.contact import Hold
+from closecall.scheduler.pairs.contact import ContactSleep
 from closecall.scheduler.pairs.pair_factory import pairs_that_might_collide
 from closecall.scheduler.run import run
 
@@ -112,7 +112,7 @@ def measured(scene: Path, sleeps: bool, refines: bool) -> None:
 
     began = process_time()
     awake = (0.0, Bound.TIME_RESOLUTION)
-    with patch.object(Hold, "sleep", Hold.sleep if sleeps else lambda self, touching, horizon: awake):
+    with patch.object(ContactSleep, "sleep", ContactSleep.sleep if sleeps else lambda self, touching, horizon: awake):
         for event in run(pairs, settings):
             if isinstance(event, Span):
                 time[event.verdict] += event.end - event.start

@@ -25,9 +25,9 @@ from closecall.cli.rate import snapshot_rate
 from closecall.formats.scene.reader import read_scene
 from closecall.scheduler.model.events import Level, Reason, Span, Verdict, Wakeup
 from closecall.scheduler.model.scene import Body
-from closecall.scheduler.narrow.closest_points import Proximity
+from closecall.scheduler.narrow.closest_points import ClosestPoints
 from closecall.scheduler.narrow.narrow_phase import NarrowPhase
-from closecall.scheduler.pairs.pair_factory import Pairing
+from closecall.scheduler.pairs.pair_factory import PairFactory
 from closecall.scheduler.run import run
 from closecall.scheduler.snapshots.schedule import observed, snapshot_times
 from closecall.scheduler.snapshots.snapshot import Observer
@@ -54,7 +54,7 @@ class CountingPhase(NarrowPhase):
         super().__init__(bodies)
         self.queries = 0
 
-    def nearest(self, a: int, b: int, pose_a: np.ndarray, pose_b: np.ndarray) -> Proximity:
+    def nearest(self, a: int, b: int, pose_a: np.ndarray, pose_b: np.ndarray) -> ClosestPoints:
         """Measure, and count it."""
         self.queries += 1
         return super().nearest(a, b, pose_a, pose_b)
@@ -76,7 +76,7 @@ def counted(rocks: Rocks, seconds: float) -> Queries:
         loaded = read_scene(rocks.write(Path(name), seconds))
     scene, settings = loaded.scene, loaded.settings
     narrow_phase, camera = NarrowPhase(scene.bodies), CountingPhase(scene.bodies)
-    pairs = tuple(Pairing(scene, narrow_phase, settings.margin).all())
+    pairs = tuple(PairFactory(scene, narrow_phase, settings.margin).all())
     scheduled: Counter[Key] = Counter()
     searched: Counter[Key] = Counter()
     clear = {(pair.key.a, pair.key.b) for pair in pairs}

@@ -20,7 +20,7 @@ from time import thread_time
 from closecall.formats.scene.reader import read_scene
 from closecall.scheduler.model.events import Wakeup
 from closecall.scheduler.narrow.narrow_phase import NarrowPhase
-from closecall.scheduler.pairs.pair_factory import Pairing
+from closecall.scheduler.pairs.pair_factory import PairFactory
 from closecall.scheduler.run import run as scheduled
 
 from .rocks import Rocks
@@ -39,7 +39,7 @@ def between_wakeups(count: int, seconds: float) -> list[float]:
     with TemporaryDirectory() as name:
         loaded = read_scene(Rocks(count).write(Path(name), seconds))
     narrow_phase = NarrowPhase(loaded.scene.bodies)
-    pairs = tuple(Pairing(loaded.scene, narrow_phase, loaded.settings.margin).all())
+    pairs = tuple(PairFactory(loaded.scene, narrow_phase, loaded.settings.margin).all())
     found: list[float] = []
     began, measuring = thread_time(), narrow_phase.seconds
     for event in scheduled(pairs, loaded.settings, None):

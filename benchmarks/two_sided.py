@@ -15,7 +15,7 @@ from unittest.mock import patch
 from closecall.formats.scene.reader import read_scene
 from closecall.scheduler.bounds import motion_bound
 from closecall.scheduler.bounds.motion_bound import Proof
-from closecall.scheduler.kinematics.relative_motion import Moments, RelativeMotion
+from closecall.scheduler.kinematics.relative_motion import PairState, RelativeMotion
 from closecall.scheduler.model.events import Level, Span, Verdict, Wakeup
 from closecall.scheduler.narrow.narrow_phase import NarrowPhase
 from closecall.scheduler.pairs.pair_factory import pairs_that_might_collide
@@ -32,9 +32,9 @@ def counted(scene: Path, both: bool) -> tuple[int, int, float]:
     time: Counter[Verdict] = Counter()
     whole = motion_bound.proof
 
-    def one_sided(motion: RelativeMotion, moments: Moments, before: float, duration: float, after: float) -> Proof:
-        found = whole(motion, moments, before, duration, -inf)
-        return Proof(found.clearance, whole(motion, moments, before, duration, after).depth_limit)
+    def one_sided(motion: RelativeMotion, state: PairState, before: float, duration: float, after: float) -> Proof:
+        found = whole(motion, state, before, duration, -inf)
+        return Proof(found.clearance, whole(motion, state, before, duration, after).depth_limit)
 
     with patch.object(motion_bound, "proof", whole if both else one_sided):
         pairs = pairs_that_might_collide(loaded.scene, narrow_phase, loaded.settings.margin)

@@ -20,14 +20,14 @@ from ..formats.log.writer import LogOptions, LogWriter, Topics
 from ..formats.scene.loaded import LoadedScene
 from ..formats.scene.reader import read_scene
 from ..formats.scene.text.errors import SceneError, WarnedError, counted, whole_file
-from ..scheduler.broad.active_pairs import Crowd
+from ..scheduler.broad.active_pairs import ActivePairs
 from ..scheduler.broad.broad_phase import BroadPhase
 from ..scheduler.broad.windows import Sweeps
 from ..scheduler.model.events import Event
 from ..scheduler.model.pair_count import count_pairs
 from ..scheduler.model.scene import Scene, Settings, least_duration
 from ..scheduler.narrow.narrow_phase import NarrowPhase
-from ..scheduler.pairs.pair_factory import Pairing
+from ..scheduler.pairs.pair_factory import PairFactory
 from ..scheduler.parallel.merge import merged, observer_of
 from ..scheduler.parallel.transport import Work
 from ..scheduler.run import run
@@ -108,9 +108,9 @@ def run_job(scene_path: Path, output: Path, options: RunOptions) -> Result:
 
 def _run_here(work: Work, options: RunOptions) -> Events:
     """Run the scene in this process."""
-    pairing = Pairing(work.scene, NarrowPhase(work.scene.bodies), work.settings.margin)
+    pairing = PairFactory(work.scene, NarrowPhase(work.scene.bodies), work.settings.margin)
     pairs = () if work.crowded else tuple(pairing.all())
-    crowd = Crowd(pairing, work.settings, BroadPhase(work.scene, Sweeps(pairing))) if work.crowded else None
+    crowd = ActivePairs(pairing, work.settings, BroadPhase(work.scene, Sweeps(pairing))) if work.crowded else None
     events = run(pairs, work.settings, crowd)
     viewer = _viewer_options(options)
     if viewer is not None:

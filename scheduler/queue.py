@@ -7,7 +7,7 @@ from itertools import count
 from math import inf
 
 from .model.events import Reason
-from .pairs.monitor import Watch
+from .pairs.monitor import Monitor
 
 #: The ends of windows are numbered from here on, below all pairs: of one time they come first, in order.
 _FIRST_TICK = -(1 << 62)
@@ -23,11 +23,11 @@ class WakeupQueue:
 
     def __init__(self) -> None:
         """Start empty."""
-        self._heap: list[tuple[float, int, Reason, Watch | None]] = []
+        self._heap: list[tuple[float, int, Reason, Monitor | None]] = []
         self._ticks = count(_FIRST_TICK)
         self.turn: tuple[float, int] = (-inf, 0)
 
-    def push(self, time: float, reason: Reason, watch: Watch) -> None:
+    def push(self, time: float, reason: Reason, watch: Monitor) -> None:
         """Let a pair sleep until `time` (s)."""
         heapq.heappush(self._heap, (time, watch.pair.key.id, reason, watch))
 
@@ -36,7 +36,7 @@ class WakeupQueue:
         if time < inf:
             heapq.heappush(self._heap, (time, next(self._ticks), Reason.WINDOW, None))
 
-    def pop(self) -> tuple[float, Reason, Watch | None] | None:
+    def pop(self) -> tuple[float, Reason, Monitor | None] | None:
         """Wake the pair with the earliest wakeup time, the one most likely to collide first.
 
         Instead of a pair there is None where windows end; instead of anything, once no pair sleeps.

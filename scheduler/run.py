@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Generator, Iterable
 
-from .broad.active_pairs import Crowd
+from .broad.active_pairs import ActivePairs
 from .model.events import Bound, Event, Reason, Wakeup
 from .model.scene import Settings
-from .pairs.monitor import Watch
+from .pairs.monitor import Monitor
 from .pairs.pair import Pair
 from .queue import WakeupQueue
 
 
 def run(
-    pairs: Iterable[Pair], settings: Settings, crowd: Crowd | None = None, queue: WakeupQueue | None = None
+    pairs: Iterable[Pair], settings: Settings, crowd: ActivePairs | None = None, queue: WakeupQueue | None = None
 ) -> Generator[Event, None, None]:
     """Yield everything that happens between the pairs that might collide, from the scene's start to its end.
 
@@ -37,7 +37,7 @@ def run(
     queue = WakeupQueue() if queue is None else queue
     # Initially all pairs that might collide are measured at t0: all wake at once, but those of bodies yet to come.
     for pair in pairs:
-        queue.push(pair.start, Reason.START, Watch(pair, settings))
+        queue.push(pair.start, Reason.START, Monitor(pair, settings))
     if crowd is not None:
         queue.push_tick(crowd.next_tick)
 

@@ -15,15 +15,15 @@ from closecall.scheduler.motions import (
     Delayed,
     Harmonic,
     Keyframes,
+    LeverArms,
     Looped,
     Motion,
     Orbit,
     Polynomial,
-    Profile,
-    Reach,
     Screw,
     Swing,
     Translation,
+    Trapezoid,
 )
 from oracle.rigid import rotations
 
@@ -85,14 +85,14 @@ def polynomial(rng) -> Motion:
     return Polynomial(tuple(vector(term) for term in terms), spin)
 
 
-def profile(rng, turns=False) -> Profile:
+def profile(rng, turns=False) -> Trapezoid:
     begin, end = map(float, rng.normal(size=2) * rng.choice([0.1, 3.0]))
     velocity, acceleration = map(float, rng.uniform(0.1, 3.0, 2))
     start = float(rng.uniform(-3, 2))
-    return Profile(turns, random_unit(rng), random_vector(rng), begin, end, velocity, acceleration, start)
+    return Trapezoid(turns, random_unit(rng), random_vector(rng), begin, end, velocity, acceleration, start)
 
 
-def turning_profile(rng) -> Profile:
+def turning_profile(rng) -> Trapezoid:
     return profile(rng, turns=True)
 
 
@@ -180,7 +180,7 @@ def spec_of(motion: Motion) -> dict[str, Any]:
             return {"type": "swing", "axis": axis, "point": point, **sine}
         case Polynomial(terms, w):
             return {"type": "polynomial", "coefficients": terms, "angular_velocity": w}
-        case Profile(turns, axis, point, begin, end, velocity, acceleration, start):
+        case Trapezoid(turns, axis, point, begin, end, velocity, acceleration, start):
             limits = {"max_velocity": velocity, "max_acceleration": acceleration}
             line = {"kind": "turn" if turns else "slide", "axis": axis, "point": point}
             return {"type": "profile", **line, "from": begin, "to": end, "t0": start, **limits}
@@ -204,12 +204,12 @@ def _keys_of(motion: Keyframes) -> dict[str, Any]:
     return {"type": "keyframes", "keys": keys, "interpolation": ways}
 
 
-def reach_of(motion: Motion, points: np.ndarray) -> Reach:
+def reach_of(motion: Motion, points: np.ndarray) -> LeverArms:
     radius = float(np.max(np.linalg.norm(points, axis=1)))
     if motion.axis is None:
-        return Reach(radius, radius)
+        return LeverArms(radius, radius)
     arms = np.cross(points - np.array(motion.axis.point), np.array(motion.axis.direction))
-    return Reach(radius, float(np.max(np.linalg.norm(arms, axis=1))))
+    return LeverArms(radius, float(np.max(np.linalg.norm(arms, axis=1))))
 
 
 def interval(rng, motion: Motion) -> tuple[float, float]:
@@ -250,11 +250,11 @@ class RandomCourse:
         one, other = (random_chain(rng, rng.normal(size=(5, 3)) * size, 0.0, CONTINUOUS) for _ in range(2))
         self.motion = RelativeMotion(one, other)
         self.t, self.duration = float(rng.uniform(-1, 1)), float(10.0 ** rng.uniform(-1, 1))
-        self.moments = self.motion.at(self.t)
+        self.state = self.motion.at(self.t)
 
-    def apart(self, moments) -> float:
+    def apart(self, state) -> float:
         """Return how far (m) the middles of the bodies are apart."""
-        return float(np.linalg.norm(np.subtract(moments.b.centre, moments.a.centre)))
+        return float(np.linalg.norm(np.subtract(state.b.centre, state.a.centre)))
 
     def samples(self, duration, count) -> list[float]:
         """Return how far (m) they are apart at so many times from t on."""

@@ -7,21 +7,21 @@ import pytest
 from drawn_motions import CONTINUOUS, RandomCourse, random_chain, random_unit, vector
 from small_scenes import box, events_of
 
-from closecall.scheduler.bounds.sphere_slabs import MOST_SLABS, BallSlab, BallSlabs
+from closecall.scheduler.bounds.sphere_slabs import MOST_SLABS, SphereSlab, SphereSlabs
 from closecall.scheduler.geometry.vector import subtract
 from closecall.scheduler.kinematics.chain import Chain, Joint, Part
-from closecall.scheduler.kinematics.relative_motion import Approach, RelativeMotion
+from closecall.scheduler.kinematics.relative_motion import RelativeMotion, RelativeRates
 from closecall.scheduler.model.events import Bound, Span, Wakeup
 from closecall.scheduler.model.extent import Ball, Extent
 from closecall.scheduler.model.scene import Body
 from closecall.scheduler.motions import Constant, Fixed, Keyframes, Translation
-from closecall.scheduler.motions.acceleration_set import STILL, Spread, ball
+from closecall.scheduler.motions.acceleration_set import STILL, AccelerationSet, ball
 
 CASES = 150
 PATHS = 40
 SAMPLES = 40
 ROUNDING = 1e-9
-STEADY = Approach(0.0, 0.0, 10.0, (0.0, 0.0, 0.0), STILL)
+STEADY = RelativeRates(0.0, 0.0, 10.0, (0.0, 0.0, 0.0), STILL)
 
 
 class Case:
@@ -34,19 +34,19 @@ class Case:
         one, other = (random_chain(rng, cloud, 0.0, CONTINUOUS) for cloud in points)
         self.radii = one.ball.radius + other.ball.radius
         self.motion = RelativeMotion(one, other)
-        moments = self.motion.at(self.t)
+        state = self.motion.at(self.t)
         apart = np.array(random_unit(rng)) * self.radii * float(rng.uniform(1.05, 4))
-        self.shift = apart - (np.array(moments.b.centre) - np.array(moments.a.centre))
-        closing = subtract(moments.a.twist.of(moments.a.centre), moments.b.twist.of(moments.b.centre))
-        near = self.motion.approach(moments, duration, Part.CENTRE)
+        self.shift = apart - (np.array(state.b.centre) - np.array(state.a.centre))
+        closing = subtract(state.a.twist.of(state.a.centre), state.b.twist.of(state.b.centre))
+        near = self.motion.approach(state, duration, Part.CENTRE)
         self.beyond = float(rng.choice([0.0, 0.02])) * self.radii
-        self.slab = BallSlab(vector(apart), self.radii, closing, self.beyond, near, 0.0)
+        self.slab = SphereSlab(vector(apart), self.radii, closing, self.beyond, near, 0.0)
 
     def nearest(self, duration) -> float:
         """Return the least gap (m) at samples of the time from t on."""
         times = self.t + np.linspace(0.0, duration, SAMPLES)
-        moments = [self.motion.at(float(t)) for t in times]
-        ways = np.array([np.subtract(moment.b.centre, moment.a.centre) for moment in moments]) + self.shift
+        state = [self.motion.at(float(t)) for t in times]
+        ways = np.array([np.subtract(moment.b.centre, moment.a.centre) for moment in state]) + self.shift
         return float(np.linalg.norm(ways, axis=1).min()) - self.radii
 
 
@@ -78,7 +78,7 @@ def test_the_clearance_of_the_slab_is_kept():
 
 @pytest.mark.parametrize("speed", [5e-324, 1e-170, 1e150])
 def test_balls_at_extreme_speeds_have_a_slab(speed):
-    across = BallSlab((3.0, 0.0, 0.0), 1.0, (0.0, speed, 0.0), 0.0, STEADY, 0.0)
+    across = SphereSlab((3.0, 0.0, 0.0), 1.0, (0.0, speed, 0.0), 0.0, STEADY, 0.0)
     assert across.sleep(0.0) == 10.0
     assert across.clearance(10.0) == pytest.approx(2.0)
 
@@ -88,9 +88,9 @@ class Path(RandomCourse):
 
     def __init__(self, rng) -> None:
         super().__init__(rng)
-        self.grown = self.apart(self.moments) * (1.0 - float(rng.uniform(0.05, 1.0))) - self.motion.radii
+        self.grown = self.apart(self.state) * (1.0 - float(rng.uniform(0.05, 1.0))) - self.motion.radii
         self.beyond = float(rng.choice([0.0, 0.02])) * self.motion.radii
-        self.slabs = BallSlabs(self.motion, self.grown, self.moments, self.duration, self.beyond)
+        self.slabs = SphereSlabs(self.motion, self.grown, self.state, self.duration, self.beyond)
 
     def nearest(self, duration) -> float:
         """Return the least gap (m) at samples of the time from t on."""
@@ -140,7 +140,7 @@ def bouncing(count, seconds) -> RelativeMotion:
 
 def test_what_bounces_is_slept_past_all_its_keys():
     motion = bouncing(10, 10.0)
-    slabs = BallSlabs(motion, 0.0, motion.at(0.3), 9.7, 0.0)
+    slabs = SphereSlabs(motion, 0.0, motion.at(0.3), 9.7, 0.0)
     assert slabs.sleep(0.0) == 9.7
     assert slabs.clearance(9.7) == pytest.approx(1.0, rel=1e-9)
     assert slabs.clearance(1.2) == pytest.approx(1.3, rel=1e-9)  # it comes back from 3 m as far as 2.5 m
@@ -149,18 +149,18 @@ def test_what_bounces_is_slept_past_all_its_keys():
 
 def test_keys_that_lie_close_together_are_not_followed_for_ever():
     motion = bouncing(10 * MOST_SLABS, 10.0)
-    assert 0.0 < BallSlabs(motion, 0.0, motion.at(0.0), 10.0, 0.0).sleep(0.0) < 0.1
+    assert 0.0 < SphereSlabs(motion, 0.0, motion.at(0.0), 10.0, 0.0).sleep(0.0) < 0.1
 
 
 def test_what_passes_by_on_a_straight_line_is_slept_past():
     """From 5 m away at 1 m/s, past at 0.3 m: the slab across the way when nearest lasts, the one across it now not."""
-    slab = BallSlab((5.0, 0.8, 0.0), 0.5, (1.0, 0.0, 0.0), 0.0, STEADY, 0.0)
+    slab = SphereSlab((5.0, 0.8, 0.0), 0.5, (1.0, 0.0, 0.0), 0.0, STEADY, 0.0)
     assert slab.sleep(0.0) == 10.0
     assert slab.clearance(10.0) == pytest.approx(0.3, rel=1e-9)
 
 
 def test_what_comes_straight_on_is_slept_on_until_it_is_there():
-    slab = BallSlab((0.0, 5.0, 0.0), 0.5, (0.0, 1.0, 0.0), 0.0, STEADY, 0.0)
+    slab = SphereSlab((0.0, 5.0, 0.0), 0.5, (0.0, 1.0, 0.0), 0.0, STEADY, 0.0)
     assert slab.sleep(0.0) == pytest.approx(4.5, rel=1e-9)
     assert slab.sleep(0.0) < 4.5
     assert slab.sleep(1.5) == pytest.approx(3.0, rel=1e-9)
@@ -169,21 +169,21 @@ def test_what_comes_straight_on_is_slept_on_until_it_is_there():
 
 def test_what_may_brake_or_turn_back_is_given_the_time_that_takes():
     """It opens at 1 m/s, and may come back by 2 m/s^2: 0.5 + s - s^2 = 0 at (1 + sqrt(3)) / 2 s."""
-    ahead = Approach(0.0, 2.0, 10.0, (0.0, 0.0, 0.0), ball(2.0))
-    slab = BallSlab((0.0, 0.0, 1.0), 0.5, (0.0, 0.0, -1.0), 0.0, ahead, 0.0)
+    ahead = RelativeRates(0.0, 2.0, 10.0, (0.0, 0.0, 0.0), ball(2.0))
+    slab = SphereSlab((0.0, 0.0, 1.0), 0.5, (0.0, 0.0, -1.0), 0.0, ahead, 0.0)
     assert slab.sleep(0.0) == pytest.approx((1.0 + hypot(1.0, 2.0**0.5)) / 2.0, rel=1e-9)
 
 
 def test_of_slabs_that_last_the_widest_is_taken():
     """It comes at 1 m/s, and swerves across by up to 2 m/s^2: across the way between the middles now less is lost."""
-    ahead = Approach(0.0, 2.0, 1.0, (0.0, 0.0, 0.0), Spread(lines=((0.0, 2.0, 0.0),)))
-    slab = BallSlab((5.0, 0.8, 0.0), 0.5, (1.0, 0.0, 0.0), 0.0, ahead, 0.0)
+    ahead = RelativeRates(0.0, 2.0, 1.0, (0.0, 0.0, 0.0), AccelerationSet(lines=((0.0, 2.0, 0.0),)))
+    slab = SphereSlab((5.0, 0.8, 0.0), 0.5, (1.0, 0.0, 0.0), 0.0, ahead, 0.0)
     now = hypot(5.0, 0.8)
     assert slab.clearance(1.0) == pytest.approx(now - 0.5 - (5.0 + 0.8) / now, rel=1e-9)
 
 
 def test_slack_and_errors_are_taken_off():
-    slab = BallSlab((0.0, 5.0, 0.0), 0.6, (0.0, 1.0, 0.0), 0.0, STEADY, 0.1)
+    slab = SphereSlab((0.0, 5.0, 0.0), 0.6, (0.0, 1.0, 0.0), 0.0, STEADY, 0.1)
     assert slab.sleep(0.0) == pytest.approx(4.0, rel=1e-9)
 
 

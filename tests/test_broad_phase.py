@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from small_scenes import box, round_shape
 
-from closecall.scheduler.broad.active_pairs import Crowd
+from closecall.scheduler.broad.active_pairs import ActivePairs
 from closecall.scheduler.broad.box_grid import BoxGrid
 from closecall.scheduler.broad.broad_phase import BroadPhase
 from closecall.scheduler.broad.windows import Sweeps, ToldWindows, Windows
@@ -53,7 +53,7 @@ from closecall.scheduler.motions import (
 )
 from closecall.scheduler.narrow.narrow_phase import NarrowPhase
 from closecall.scheduler.pairs.monitor import Plan
-from closecall.scheduler.pairs.pair_factory import Pairing, ignored_pairs
+from closecall.scheduler.pairs.pair_factory import PairFactory, ignored_pairs
 from closecall.scheduler.run import run
 from closecall.scheduler.snapshots.nearest_pairs import CrowdObserver
 from closecall.scheduler.snapshots.snapshot import Observer, existing
@@ -113,9 +113,9 @@ def random_scene(seed: int, bodies: int = 30) -> Scene:
     return Scene(tuple(made), 0.0, END, rules)
 
 
-def crowd_of(scene: Scene) -> Crowd:
-    pairing = Pairing(scene, NarrowPhase(scene.bodies), SETTINGS.margin)
-    return Crowd(pairing, SETTINGS, BroadPhase(scene, Sweeps(pairing)))
+def crowd_of(scene: Scene) -> ActivePairs:
+    pairing = PairFactory(scene, NarrowPhase(scene.bodies), SETTINGS.margin)
+    return ActivePairs(pairing, SETTINGS, BroadPhase(scene, Sweeps(pairing)))
 
 
 def crowd_events(scene: Scene) -> list[Event]:
@@ -123,7 +123,7 @@ def crowd_events(scene: Scene) -> list[Event]:
 
 
 def all_events(scene: Scene) -> list[Event]:
-    return list(run(Pairing(scene, NarrowPhase(scene.bodies), SETTINGS.margin).all(), SETTINGS))
+    return list(run(PairFactory(scene, NarrowPhase(scene.bodies), SETTINGS.margin).all(), SETTINGS))
 
 
 def test_a_grid_finds_what_brute_force_finds_while_boxes_come_and_change() -> None:
@@ -147,8 +147,8 @@ def test_a_grid_finds_what_brute_force_finds_while_boxes_come_and_change() -> No
 @pytest.mark.parametrize("seed", SEEDS)
 def test_pairs_are_counted_as_if_they_were_named(seed: int) -> None:
     scene = random_scene(seed)
-    pairs = list(Pairing(scene, NarrowPhase(scene.bodies), 0.0).all())
-    free = Pairing(replace(scene, rules=PairRules()), NarrowPhase(scene.bodies), 0.0).all()
+    pairs = list(PairFactory(scene, NarrowPhase(scene.bodies), 0.0).all())
+    free = PairFactory(replace(scene, rules=PairRules()), NarrowPhase(scene.bodies), 0.0).all()
     ignored = [(pair.key.a, pair.key.b) for pair in free if not scene.rules.allow(pair.key.a, pair.key.b)]
     assert list(ignored_pairs(scene)) == ignored
     assert count_pairs(scene) == (len(pairs), len(ignored))
@@ -181,7 +181,7 @@ def test_a_crowd_has_the_contacts_and_spans_of_all_its_pairs(seed: int) -> None:
 def test_what_windows_clear_of_a_pair_is_below_its_distance(seed: int) -> None:
     """Spans of an examined pair tile its time; where windows alone cleared it, the clearance holds too."""
     scene = random_scene(seed)
-    pairing = Pairing(scene, NarrowPhase(scene.bodies), SETTINGS.margin)
+    pairing = PairFactory(scene, NarrowPhase(scene.bodies), SETTINGS.margin)
     events = crowd_events(scene)
     spans: dict[int, list[Span]] = {}
     for event in events:
@@ -230,7 +230,7 @@ def test_the_windows_of_a_body_follow_one_another_and_hold_it(seed: int) -> None
 def test_windows_are_the_same_whoever_makes_them(seed: int) -> None:
     """Whether as they are asked for, or before by others, each some bodies."""
     scene = random_scene(seed)
-    pairing = Pairing(scene, NarrowPhase(scene.bodies), SETTINGS.margin)
+    pairing = PairFactory(scene, NarrowPhase(scene.bodies), SETTINGS.margin)
     shares = [Sweeps(pairing, share).all() for share in reversed(shares_of(3))]
     ticks, told = (list(BroadPhase(scene, source)) for source in (Sweeps(pairing), ToldWindows(Windows.joined(shares))))
     assert len(ticks) == len(told) > 10
@@ -291,7 +291,7 @@ def test_jumping_bodies_meet_at_the_jump_alone() -> None:
 def test_a_crowds_nearest_pairs_are_those_of_all_its_pairs(seed: int) -> None:
     scene = random_scene(seed)
     narrow_phase = NarrowPhase(scene.bodies)
-    pairing = Pairing(scene, narrow_phase, SETTINGS.margin)
+    pairing = PairFactory(scene, narrow_phase, SETTINGS.margin)
     crowd, every = CrowdObserver(pairing, 5), Observer(scene, list(pairing.all()), 5, narrow_phase)
     for time in np.linspace(0.0, END, 7).tolist():
         one, other = crowd.at(time, frozenset()), every.at(time, frozenset())
@@ -311,10 +311,10 @@ def test_a_picture_looks_at_no_more_pairs_for_bodies_that_ignore_each_other(alon
     checked = (PairSet(tools, tools),) if alone else (PairSet(tools, tools), PairSet(frozenset({0}), heap))
     scene = Scene(bodies, 0.0, END, PairRules(checked=checked, default=False))
     narrow_phase = NarrowPhase(bodies)
-    pairing = Pairing(scene, narrow_phase, 0.0)
+    pairing = PairFactory(scene, narrow_phase, 0.0)
     asked: list[tuple[int, int]] = []
-    pairing.pair = lambda a, b: asked.append((a, b)) or Pairing.pair(pairing, a, b)  # type: ignore[method-assign]
-    crowd, every = CrowdObserver(pairing, 10), Observer(scene, list(Pairing.all(pairing)), 10, narrow_phase)
+    pairing.pair = lambda a, b: asked.append((a, b)) or PairFactory.pair(pairing, a, b)  # type: ignore[method-assign]
+    crowd, every = CrowdObserver(pairing, 10), Observer(scene, list(PairFactory.all(pairing)), 10, narrow_phase)
     asked.clear()
     one, other = crowd.at(1.0, frozenset()), every.at(1.0, frozenset())
     assert [rounded(near) for near in one.nearest] == [rounded(near) for near in other.nearest]

@@ -7,9 +7,9 @@ import pytest
 from drawn_motions import CONTINUOUS, random_chain, random_unit, vector
 
 from closecall.scheduler.bounds import triangle_slabs as directional
-from closecall.scheduler.bounds.triangle_slabs import Slabs
+from closecall.scheduler.bounds.triangle_slabs import TriangleSlabs
 from closecall.scheduler.kinematics.chain import Twist
-from closecall.scheduler.kinematics.relative_motion import Approach, RelativeMotion
+from closecall.scheduler.kinematics.relative_motion import RelativeMotion, RelativeRates
 from closecall.scheduler.motions.acceleration_set import STILL, ball
 from closecall.scheduler.narrow.triangle_pairs import NearTriangles
 from oracle.triangles import separation
@@ -39,20 +39,20 @@ class Case:
             own[1][:, 1:] = own[1][:, :1]  # points
         a, b = (random_chain(rng, corners.reshape(-1, 3), 0.0, CONTINUOUS) for corners in own)
         self.motion, self.own = RelativeMotion(a, b), own
-        self.moments = self.motion.at(self.t)
-        poses = self.moments.a.pose, self.moments.b.pose
+        self.state = self.motion.at(self.t)
+        poses = self.state.a.pose, self.state.b.pose
         apart = vector(np.array(random_unit(rng)) * float(10.0 ** rng.uniform(-1, 1)))
         self.shift = poses[0][:3, 3] - poses[1][:3, 3] + apart  # so that they are near each other, but seldom touch
         one, other = moved(poses[0], own[0]), moved(poses[1], own[1]) + self.shift
         i, j = (index.reshape(-1) for index in np.meshgrid(range(count), range(count)))
         self.pairs = i, j
-        near = self.motion.approach(self.moments, self.duration)
+        near = self.motion.approach(self.state, self.duration)
         self.horizon = near.horizon
-        twists = self.moments.a.twist, self.moments.b.twist
+        twists = self.state.a.twist, self.state.b.twist
         twists = twists[0], twists[1]._replace(origin=vector(np.array(twists[1].origin) + self.shift))
         triangles = NearTriangles(one[i], other[j], np.zeros(len(i)))
         direction = random_unit(rng) if rng.random() < 0.3 else vector(np.array(apart) / np.linalg.norm(apart))
-        self.slabs = Slabs(triangles, twists, direction, 0.0, inf, near, 0.0)
+        self.slabs = TriangleSlabs(triangles, twists, direction, 0.0, inf, near, 0.0)
 
     def nearest(self, duration: float) -> float:
         """Return the least distance (m) of any two triangles at samples of the time from t on."""
@@ -120,8 +120,10 @@ def test_faces_that_slide_past_each_other_sleep_up_to_the_horizon():
     still = Twist((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     slides = Twist((0.0, 0.0, 0.0), (1000.0, 500.0, 0.0), (0.0, 0.0, 0.0))
     for steady in ((0.0, 0.0, 0.0), (9.81, -3.0, 0.0), (9.81, 0.0, -1.0)):
-        ahead = Approach(1118.1, 10.3, 3.0, steady, STILL)
-        assert Slabs(near, (slides, still), (0.0, 0.0, 1.0), 0.0, 1.0, ahead, 0.0).sleep(0.0) == pytest.approx(3.0)
+        ahead = RelativeRates(1118.1, 10.3, 3.0, steady, STILL)
+        assert TriangleSlabs(near, (slides, still), (0.0, 0.0, 1.0), 0.0, 1.0, ahead, 0.0).sleep(0.0) == pytest.approx(
+            3.0
+        )
 
 
 @pytest.mark.parametrize("varying", [0.0, 0.5])
@@ -130,6 +132,6 @@ def test_a_steady_acceleration_closes_a_gap_by_its_part_across_it(varying):
     square = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]])
     still = Twist((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     near = NearTriangles(square, square + np.array([0.0, 0.0, 1e-3]), np.zeros(1))
-    ahead = Approach(0.0, 10.0, 3.0, (9.0, 0.0, 2.0), ball(varying))
-    found = Slabs(near, (still, still), (0.0, 0.0, 1.0), 0.0, 1.0, ahead, 0.0).sleep(0.0)
+    ahead = RelativeRates(0.0, 10.0, 3.0, (9.0, 0.0, 2.0), ball(varying))
+    found = TriangleSlabs(near, (still, still), (0.0, 0.0, 1.0), 0.0, 1.0, ahead, 0.0).sleep(0.0)
     assert found == pytest.approx(np.sqrt(2.0 * 1e-3 / (2.0 + varying)))

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from small_scenes import box, events_of, round_shape
 
 from closecall.formats.scene.build.primitive_meshes import segment_mesh
-from closecall.scheduler.bounds.inscribed_spheres import MOST_LEGS, InnerBalls
+from closecall.scheduler.bounds.inscribed_spheres import MOST_LEGS, InscribedSpheres
 from closecall.scheduler.kinematics.chain import Chain, Joint
 from closecall.scheduler.kinematics.relative_motion import RelativeMotion
 from closecall.scheduler.model.events import Bound, Collision, Reason, Wakeup
@@ -66,7 +66,7 @@ def test_the_radius_about_the_middle_is_that_of_closed_forms(case):
     shapes, radius = HELD[case]
     body = Body("body", None, np.eye(4), Fixed(), tuple(shapes))
     middle = body_extent(body).ball.centre
-    found = NarrowPhase((body,)).inner_radius(0, middle)
+    found = NarrowPhase((body,)).inscribed_radius(0, middle)
     assert found <= radius
     assert found == pytest.approx(radius, abs=1e-12)
 
@@ -76,8 +76,8 @@ class Path(RandomCourse):
 
     def __init__(self, rng) -> None:
         super().__init__(rng)
-        self.radii = self.apart(self.moments) * float(rng.uniform(0.9, 3.0))
-        self.sleep = InnerBalls(self.motion, self.radii).sleep(self.moments, self.duration)
+        self.radii = self.apart(self.state) * float(rng.uniform(0.9, 3.0))
+        self.sleep = InscribedSpheres(self.motion, self.radii).sleep(self.state, self.duration)
 
 
 def test_balls_on_random_motions_meet_as_long_as_is_said():
@@ -105,10 +105,10 @@ def test_balls_that_pass_meet_as_long_as_closed_forms_say():
     place = np.eye(4)
     place[:3, 3] = (-0.39, 0.3, 0.0)
     motion = RelativeMotion(still, Chain((Joint(place, goes),), np.eye(4), extent(0.3)))
-    assert InnerBalls(motion, 0.5).sleep(motion.at(0.0), 9.0) == pytest.approx(0.395, rel=1e-8)
-    assert InnerBalls(motion, 0.5).sleep(motion.at(0.0), 9.0) <= 0.395
-    assert InnerBalls(motion, 0.5).sleep(motion.at(0.0), 0.3) == 0.3
-    assert InnerBalls(motion, 0.49).sleep(motion.at(0.0), 9.0) == 0.0
+    assert InscribedSpheres(motion, 0.5).sleep(motion.at(0.0), 9.0) == pytest.approx(0.395, rel=1e-8)
+    assert InscribedSpheres(motion, 0.5).sleep(motion.at(0.0), 9.0) <= 0.395
+    assert InscribedSpheres(motion, 0.5).sleep(motion.at(0.0), 0.3) == 0.3
+    assert InscribedSpheres(motion, 0.49).sleep(motion.at(0.0), 9.0) == 0.0
 
 
 def test_so_many_keys_are_followed_at_most():
@@ -119,7 +119,7 @@ def test_so_many_keys_are_followed_at_most():
     path = Keyframes(np.arange(count + 1.0), places, turns, Translation.LINEAR, step_rotation=False)
     still = Chain((), np.eye(4), extent(0.2))
     motion = RelativeMotion(still, Chain((Joint(np.eye(4), path),), np.eye(4), extent(0.2)))
-    balls = InnerBalls(motion, 0.2)
+    balls = InscribedSpheres(motion, 0.2)
     assert balls.sleep(motion.at(0.0), float(count)) == MOST_LEGS
     assert balls.sleep(motion.at(0.0), float(MOST_LEGS - 1)) == MOST_LEGS - 1
     assert balls.sleep(motion.at(0.0), float(count), worth=1.0) >= MOST_LEGS - 1
@@ -131,7 +131,7 @@ def test_a_body_whose_middle_is_hollow_has_none():
     solid, hollow = (Body("a", None, np.eye(4), m, (s,)) for m, s in ((moves, box(1, 1, 1)), (Fixed(), HOLLOW)))
     for bodies in ((solid, hollow), (hollow, solid)):
         (pair,) = pairs_that_might_collide(Scene(bodies, 0.0, 1.0, PairRules()), NarrowPhase(bodies), 0.0)
-        assert pair.inner_balls() is None
+        assert pair.inscribed_spheres() is None
 
 
 def test_a_spinning_box_deep_in_another_sleeps():

@@ -16,14 +16,14 @@ from sample_runs import FOLDER, NAMES
 
 from closecall.cli.sharing import told_by_workers
 from closecall.formats.scene.reader import read_scene
-from closecall.scheduler.broad.active_pairs import Crowd
+from closecall.scheduler.broad.active_pairs import ActivePairs
 from closecall.scheduler.broad.broad_phase import BroadPhase
 from closecall.scheduler.broad.windows import Sweeps
 from closecall.scheduler.model.events import Collision
 from closecall.scheduler.model.scene import Settings
 from closecall.scheduler.model.share import Share, shares_of
 from closecall.scheduler.narrow.narrow_phase import NarrowPhase
-from closecall.scheduler.pairs.pair_factory import Pairing
+from closecall.scheduler.pairs.pair_factory import PairFactory
 from closecall.scheduler.parallel.merge import merged, packed_ticks, stream, told_in_order, windows_of
 from closecall.scheduler.parallel.transport import Work, packed
 from closecall.scheduler.run import run
@@ -42,8 +42,8 @@ class Unpacked:
 def told_by_one(scene: Path, crowded: bool) -> list[str]:
     """Return the events of one run of all pairs."""
     loaded = read_scene(scene)
-    pairing = Pairing(loaded.scene, NarrowPhase(loaded.scene.bodies), loaded.settings.margin)
-    crowd = Crowd(pairing, loaded.settings, BroadPhase(loaded.scene, Sweeps(pairing))) if crowded else None
+    pairing = PairFactory(loaded.scene, NarrowPhase(loaded.scene.bodies), loaded.settings.margin)
+    crowd = ActivePairs(pairing, loaded.settings, BroadPhase(loaded.scene, Sweeps(pairing))) if crowded else None
     return [repr(event) for event in run(() if crowded else pairing.all(), loaded.settings, crowd)]
 
 

@@ -11,14 +11,14 @@ import pytest
 from drawn_motions import RandomCourse, random_unit, vector
 
 from closecall.scheduler.bounds import motion_bound
-from closecall.scheduler.bounds.body_slab import Points, Slab
-from closecall.scheduler.bounds.triangle_slabs import Slabs
+from closecall.scheduler.bounds.body_slab import BodySlab, Points
+from closecall.scheduler.bounds.triangle_slabs import TriangleSlabs
 from closecall.scheduler.kinematics.chain import Chain, Joint, Twist
-from closecall.scheduler.kinematics.relative_motion import Approach, RelativeMotion
+from closecall.scheduler.kinematics.relative_motion import RelativeMotion, RelativeRates
 from closecall.scheduler.model.extent import Ball, Extent
 from closecall.scheduler.motions import Ballistic, Constant, Harmonic, Keyframes, Limits, Motion, Translation
 from closecall.scheduler.motions.acceleration_set import STILL as STANDING
-from closecall.scheduler.motions.acceleration_set import Spread
+from closecall.scheduler.motions.acceleration_set import AccelerationSet
 from closecall.scheduler.narrow.triangle_pairs import NearTriangles
 from oracle.rigid import rigid, rotations
 
@@ -88,7 +88,7 @@ def test_no_two_points_get_farther_than_the_lecture_says():
     ratios = []
     for _ in range(CASES):
         course = RandomCourse(rng)
-        near = course.motion.approach(course.moments, course.duration)
+        near = course.motion.approach(course.state, course.duration)
         starts, truth = points_at(course.motion, course.t), 0.0
         for s in np.linspace(0.0, near.horizon, 20)[1:].tolist():
             moved = [now - start for now, start in zip(points_at(course.motion, course.t + s), starts, strict=True)]
@@ -101,8 +101,8 @@ def test_no_two_points_get_farther_than_the_lecture_says():
 
 def points_at(motion: RelativeMotion, t: float) -> list[np.ndarray]:
     """Return the points (n, 3) m of both bodies at a time (s)."""
-    moments = motion.at(t)
-    chains = ((motion.a, moments.a), (motion.b, moments.b))
+    state = motion.at(t)
+    chains = ((motion.a, state.a), (motion.b, state.b))
     return [chain.extent.points @ moment.pose[:3, :3].T + moment.pose[:3, 3] for chain, moment in chains]
 
 
@@ -189,13 +189,15 @@ def test_what_turns_about_an_axis_stays_in_what_is_said_to_hold_it():
     for _ in range(CASES):
         kind = int(rng.integers(0, 3))
         disc, line = (random_unit(rng), float(rng.uniform(0.1, 2.0))), vector(rng.normal(size=3))
-        spread = Spread(0.0 if kind else float(rng.uniform(0.0, 1.0)), (disc,) * (kind != 1), (line,) * (kind != 2))
+        spread = AccelerationSet(
+            0.0 if kind else float(rng.uniform(0.0, 1.0)), (disc,) * (kind != 1), (line,) * (kind != 2)
+        )
         axis = random_unit(rng)
-        held = spread.turning(axis)
+        held = spread.swept_about(axis)
         turns = rigid(rotations(np.array(axis), np.linspace(0.0, 2.0 * pi, 181)), np.zeros((181, 3)))
         for direction in [axis, *(random_unit(rng) for _ in range(5))]:
-            truth = max(spread.turned(turn).reach(direction) for turn in turns)
-            assert truth * (1.0 - ROUNDING) <= held.reach(direction) <= 2.0 * truth + ROUNDING
+            truth = max(spread.turned(turn).support(direction) for turn in turns)
+            assert truth * (1.0 - ROUNDING) <= held.support(direction) <= 2.0 * truth + ROUNDING
 
 
 def drifting(rng, speed: float) -> Twist:
@@ -211,7 +213,9 @@ def test_triangles_that_fly_at_each_other_close_their_slab_at_both_speeds():
         gap, (up, down) = float(rng.uniform(0.1, 2.0)), rng.uniform(0.1, 3.0, 2).tolist()
         twists = drifting(rng, up), drifting(rng, -down)
         triangles = NearTriangles(flat[None], flat[None] + [0.0, 0.0, gap], np.zeros(1))
-        slabs = Slabs(triangles, twists, (0.0, 0.0, 1.0), 0.0, inf, Approach(0.0, 0.0, 100.0, O, STANDING), 0.0)
+        slabs = TriangleSlabs(
+            triangles, twists, (0.0, 0.0, 1.0), 0.0, inf, RelativeRates(0.0, 0.0, 100.0, O, STANDING), 0.0
+        )
         truth = gap / (up + down)
         assert truth * (1.0 - ROUNDING) <= slabs.sleep(0.0) <= truth
         half = 0.5 * truth
@@ -221,12 +225,12 @@ def test_triangles_that_fly_at_each_other_close_their_slab_at_both_speeds():
 def test_errors_of_measurement_are_taken_off_slabs():
     """Between two triangles at rest, one above the other: of the gap, all but the error is certain."""
     flat = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
-    rest, future = Twist(O, O, O), Approach(0.0, 0.0, 100.0, O, STANDING)
+    rest, future = Twist(O, O, O), RelativeRates(0.0, 0.0, 100.0, O, STANDING)
     for gap, error in ((1.0, 0.25), (0.3, 0.1), (1e-3, 1e-4)):
         above = flat + np.array([0.0, 0.0, gap])
         one, other = (Points(corners, np.zeros(3), rest) for corners in (flat, above))
-        whole = Slab(one, other, (flat, above), error, 0.0, future, 0.0)
+        whole = BodySlab(one, other, (flat, above), error, 0.0, future, 0.0)
         triangles = NearTriangles(flat[None], above[None], np.zeros(1))
-        each = Slabs(triangles, (rest, rest), (0.0, 0.0, 1.0), error, inf, future, 0.0)
+        each = TriangleSlabs(triangles, (rest, rest), (0.0, 0.0, 1.0), error, inf, future, 0.0)
         for certain in (whole.clearance(1.0), each.clearance(1.0, 0.0)):
             assert 0.999 * (gap - error) <= certain <= gap - error

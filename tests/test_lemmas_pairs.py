@@ -11,7 +11,7 @@ from closecall.scheduler.model.events import Span, Verdict
 from closecall.scheduler.model.scene import Body, PairRules, Scene, Shape
 from closecall.scheduler.motions import Constant, Fixed, Keyframes, Looped, Motion, Translation
 from closecall.scheduler.narrow.narrow_phase import NarrowPhase
-from closecall.scheduler.pairs.contact import Hold
+from closecall.scheduler.pairs.contact import ContactSleep
 from closecall.scheduler.pairs.least_distance import LeastDistance
 from closecall.scheduler.pairs.pair import Pair
 from closecall.scheduler.pairs.pair_factory import pairs_that_might_collide
@@ -57,7 +57,7 @@ def test_capsules_that_cross_at_their_ends_touch_until_they_have_gone_their_dept
         upper = body("upper", lying(radii[1], ALONG_Y), (0.9, 0.9, height), Constant((0.0, 0.0, speed), O))
         pair = pair_of(body("lower", lying(radii[0], ALONG_X)), upper)
         truth = (float(radii.sum()) - height) / speed
-        sleep, _ = Hold(pair, 1e-9).sleep(pair.measure(0.0), 10.0)
+        sleep, _ = ContactSleep(pair, 1e-9).sleep(pair.measure(0.0), 10.0)
         assert 0.99 * truth <= sleep <= truth * (1.0 + 1e-9)
 
 

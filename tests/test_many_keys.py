@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from small_scenes import box, events_of
 
-from closecall.scheduler.bounds.sphere_slabs import MOST_SLABS, BallSlabs
+from closecall.scheduler.bounds.sphere_slabs import MOST_SLABS, SphereSlabs
 from closecall.scheduler.kinematics.chain import Chain, Joint
 from closecall.scheduler.kinematics.relative_motion import RelativeMotion
 from closecall.scheduler.model.events import Span, Verdict, Wakeup
@@ -105,7 +105,7 @@ def test_balls_stay_apart_past_any_number_of_keys() -> None:
         unknown = (Limits(1.0, 0.0, 0.3, inf),) if rng.random() < 0.3 else ()
         motion = RelativeMotion(Chain(joints, np.eye(4), one), Chain((), np.eye(4), other), unknown)
         start = float(rng.uniform(0.0, 2.0))
-        slabs = BallSlabs(motion, 0.0, motion.at(start), 9.0, 0.0)
+        slabs = SphereSlabs(motion, 0.0, motion.at(start), 9.0, 0.0)
         sleep = slabs.sleep(0.0)
         passed += np.count_nonzero((times > start) & (times < start + sleep)) > MOST_SLABS
         for duration in (sleep, 0.4 * sleep):

@@ -25,7 +25,7 @@ from closecall.scheduler.motions import (
     Constant,
     Fixed,
     Harmonic,
-    Reach,
+    LeverArms,
     Screw,
     Swing,
 )
@@ -58,7 +58,7 @@ def test_displacement_and_path_length_never_decrease_with_duration(kind):
     for _ in range(CASES):
         motion = kind(rng)
         t, duration = interval(rng, motion)
-        reach = Reach(1.3, 0.7) if motion.axis else Reach(1.3, 1.3)
+        reach = LeverArms(1.3, 0.7) if motion.axis else LeverArms(1.3, 1.3)
         error = 2 * pose_error(motion, t, duration, 1.3)
         for bound in (motion.displacement, motion.path_length):
             grown = np.array([bound(t, float(s), reach) for s in np.linspace(0, duration, 15)])
@@ -111,7 +111,7 @@ def test_rates_bound_the_origin_and_the_turning_up_to_the_next_knot(kind):
             slack = 1e-5 * (1 + rates.acceleration) + 4 * rounding / step**2
             varying = acceleration - np.array(rates.steady)
             assert np.linalg.norm(varying) <= rates.acceleration + slack
-            assert np.all(directions @ varying <= rates.varying.along(directions) + slack)
+            assert np.all(directions @ varying <= rates.varying.supports(directions) + slack)
             if rates.axis is not None and rates.angular_speed > 0.0:
                 spin = Rotation.from_matrix(after[:3, :3] @ before[:3, :3].T).as_rotvec() / (2 * step)
                 assert np.linalg.norm(np.cross(spin, rates.axis)) <= 1e-6 + rounding / step
@@ -239,4 +239,4 @@ def test_chain_velocities_are_the_derivative_of_the_last_frame():
 
 
 def test_a_sliding_origin_is_its_own_reach():
-    assert origin_reach(Harmonic((1.0, 0.0, 0.0), 1.0, 1.0, 0.0)) == Reach(0.0, 0.0)
+    assert origin_reach(Harmonic((1.0, 0.0, 0.0), 1.0, 1.0, 0.0)) == LeverArms(0.0, 0.0)

@@ -53,10 +53,10 @@ def test_accelerations_are_bounded_in_every_direction(kind):
     for _ in range(CASES):
         points = rng.normal(size=(10, 3)) * 0.5
         motion, still = RelativeMotion(kind(rng, points), kind(rng, points)), float(rng.uniform(-2, 1))
-        moments = motion.at(still)
-        approach = motion.approach(moments, 0.3, Part.CORE)
+        state = motion.at(still)
+        approach = motion.approach(state, 0.3, Part.CORE)
         directions = np.vstack((np.eye(3), -np.eye(3), [random_unit(rng) for _ in range(10)]))
-        most = directions @ np.array(approach.steady) + approach.varying.along(directions)
+        most = directions @ np.array(approach.steady) + approach.varying.supports(directions)
         if kind is planar_chain:
             assert most[2] <= 1e-9 * approach.acceleration
         step = min(1e-4, approach.horizon / 10)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from closecall.scheduler.motions import Keyframes, Reach, Translation
+from closecall.scheduler.motions import Keyframes, LeverArms, Translation
 from closecall.scheduler.motions.key_interval import Boxes, end_of
 
 
@@ -35,7 +35,7 @@ def test_a_step_is_a_stop_just_before_and_at_the_jump_and_the_pose_is_the_new_on
     assert keys.stop_after(1.0) == np.inf
     assert keys.pose(before)[0, 3] == 0.0
     assert keys.pose(1.0)[0, 3] == 1.0
-    assert keys.displacement(0.2, before - 0.2, Reach(1.0, 1.0)) == 0.0
+    assert keys.displacement(0.2, before - 0.2, LeverArms(1.0, 1.0)) == 0.0
 
 
 def test_a_long_way_travelled_does_not_coarsen_the_bounds_of_what_follows():
@@ -50,7 +50,7 @@ def test_a_long_way_travelled_does_not_coarsen_the_bounds_of_what_follows():
     )
     for first in (1, 7, 500):
         truth = abs(keys.pose(1001.0)[0, 3] - keys.pose(float(first))[0, 3])
-        assert keys.displacement(float(first), 1001.0 - first, Reach(0.0, 0.0)) >= truth - 1e-10
+        assert keys.displacement(float(first), 1001.0 - first, LeverArms(0.0, 0.0)) >= truth - 1e-10
         assert keys.rounding_scale((0.0, 1001.0), 1.0) < 1e6
 
 
@@ -88,7 +88,7 @@ def test_catmull_rom_passes_keys_of_a_parabola_along_it():
 def test_a_single_cubic_key_is_held():
     keys = Keyframes(np.array([1.0]), np.ones((1, 3)), np.array([[1.0, 0, 0, 0]]), Translation.CUBIC, False)
     assert keys.pose(0.0)[0, 3] == keys.pose(5.0)[0, 3] == 1.0
-    assert keys.displacement(0.0, 9.0, Reach(1.0, 1.0)) == keys.path_length(0.0, 9.0, Reach(1.0, 1.0)) == 0.0
+    assert keys.displacement(0.0, 9.0, LeverArms(1.0, 1.0)) == keys.path_length(0.0, 9.0, LeverArms(1.0, 1.0)) == 0.0
 
 
 @pytest.mark.parametrize("translation", [Translation.LINEAR, Translation.CUBIC])
@@ -98,8 +98,8 @@ def test_going_to_and_fro_costs_how_far_it_gets_and_not_the_way(translation):
     x = rng.uniform(-5e-4, 5e-4, (5000, 3))
     keys = Keyframes(np.arange(5000.0), x, np.tile([1.0, 0, 0, 0], (5000, 1)), translation, False)
     for t, duration in ((0.5, 4000.0), (17.3, 30.0), (100.0, 1024.0)):
-        assert keys.displacement(t, duration, Reach(1.0, 1.0)) < 2.5e-3
-        assert keys.path_length(t, duration, Reach(1.0, 1.0)) > 2e-4 * duration
+        assert keys.displacement(t, duration, LeverArms(1.0, 1.0)) < 2.5e-3
+        assert keys.path_length(t, duration, LeverArms(1.0, 1.0)) > 2e-4 * duration
 
 
 def test_the_farthest_of_many_boxes_is_that_of_all():

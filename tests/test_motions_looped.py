@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from drawn_motions import interval, keyframes, looped, paths, pose_error, reach_of
 
-from closecall.scheduler.motions import Keyframes, Looped, Reach, Translation
+from closecall.scheduler.motions import Keyframes, LeverArms, Looped, Translation
 
 STILL = np.tile([1.0, 0, 0, 0], (3, 1))
-REACH = Reach(0.5, 0.5)
+REACH = LeverArms(0.5, 0.5)
 
 
 def keys_at(times, x, how=Translation.LINEAR) -> Keyframes:

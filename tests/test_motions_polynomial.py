@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from drawn_motions import random_vector, vector
 
-from closecall.scheduler.motions import Ballistic, Polynomial, Reach
+from closecall.scheduler.motions import Ballistic, LeverArms, Polynomial
 from closecall.scheduler.motions.bernstein import Arc
 
-POINT = Reach(0.0, 0.0)
+POINT = LeverArms(0.0, 0.0)
 O = (0.0, 0.0, 0.0)  # noqa: E741
 
 

@@ -20,15 +20,15 @@ from closecall.scheduler.motions import (
     Harmonic,
     Interval,
     Keyframes,
+    LeverArms,
     Looped,
     Motion,
     Orbit,
     Polynomial,
-    Profile,
-    Reach,
     Screw,
     Swing,
     Translation,
+    Trapezoid,
 )
 
 CASES = 150
@@ -114,7 +114,7 @@ def cancelling_polynomials() -> Iterator[Case]:
         yield motion, t, (t, t), q, polynomial_point(motion, Fraction(t), q)
 
 
-def trapezoid(motion: Profile, t) -> np.ndarray:
+def trapezoid(motion: Trapezoid, t) -> np.ndarray:
     """Return the profile's value at t, from its formula over real numbers."""
     begin, end, top, steepness = map(WIDE, (motion.begin, motion.end, motion.max_velocity, motion.max_acceleration))
     travel = abs(end - begin)
@@ -132,7 +132,7 @@ def late_profiles(turns) -> Iterator[Case]:
         begin, end = map(float, rng.normal(size=2) * 10.0 ** rng.uniform(-3, 4))
         velocity, acceleration = map(float, 10.0 ** rng.uniform(-2, 2, 2))
         start = float(rng.normal() * 10.0 ** rng.uniform(-2, 6))
-        motion = Profile(turns, random_unit(rng), random_vector(rng), begin, end, velocity, acceleration, start)
+        motion = Trapezoid(turns, random_unit(rng), random_vector(rng), begin, end, velocity, acceleration, start)
         last = motion.start_time
         while (knot := motion.knot_after(last)) < np.inf:
             last = knot
@@ -294,8 +294,8 @@ ROUNDING_CASES: dict[str, tuple[type[Motion], Callable[[], Iterator[Case]]]] = {
     "orbits": (Orbit, partial(orbits, False)),
     "orbits that face their centre": (Orbit, partial(orbits, True)),
     "polynomials that cancel": (Polynomial, cancelling_polynomials),
-    "slides that start late": (Profile, partial(late_profiles, False)),
-    "turns that start late": (Profile, partial(late_profiles, True)),
+    "slides that start late": (Trapezoid, partial(late_profiles, False)),
+    "turns that start late": (Trapezoid, partial(late_profiles, True)),
     "lines between keys": (Keyframes, partial(paths_along_keys, Translation.LINEAR)),
     "curves between keys": (Keyframes, partial(paths_along_keys, Translation.CUBIC)),
     "loops of lines": (Looped, partial(long_loops, Translation.LINEAR)),
@@ -325,7 +325,7 @@ def test_the_account_covers_the_rounding_of_displacements_as_well(kind):
         duration = float(10.0 ** rng.uniform(-9, 2))
         radius = float(np.linalg.norm(q)) * (1 + 4 * EPSILON)
         across = radius if motion.axis is None else distance_to_line(q, motion.axis.point, motion.axis.direction)
-        bound = motion.displacement(t, duration, Reach(radius, across))
+        bound = motion.displacement(t, duration, LeverArms(radius, across))
         start = smooth_point(motion, q, t)
         wrong = wide(motion.pose(t)[:3, :3]) @ wide(q) + wide(motion.pose(t)[:3, 3]) - start
         away = smooth_point(motion, q, t, duration) - start

@@ -8,14 +8,14 @@ from drawn_motions import CONTINUOUS, random_chain, random_unit, vector
 from scipy.spatial.transform import Rotation
 from small_scenes import box, events_of
 
-from closecall.scheduler.bounds.triangle_overlap import Overlaps, proper
+from closecall.scheduler.bounds.triangle_overlap import TriangleOverlap, proper
 from closecall.scheduler.kinematics.chain import Part, Twist
-from closecall.scheduler.kinematics.relative_motion import Approach, RelativeMotion
+from closecall.scheduler.kinematics.relative_motion import RelativeMotion, RelativeRates
 from closecall.scheduler.model.events import Reason, Span, Verdict, Wakeup
 from closecall.scheduler.model.scene import Body
 from closecall.scheduler.motions import Constant, Fixed, Harmonic
 from closecall.scheduler.motions.acceleration_set import STILL as CONSTANT
-from closecall.scheduler.motions.acceleration_set import Spread, ball
+from closecall.scheduler.motions.acceleration_set import AccelerationSet, ball
 from closecall.scheduler.narrow.triangle_pairs import NearTriangles
 from oracle.triangles import separation
 
@@ -40,13 +40,13 @@ def moving(v, w=(0.0, 0.0, 0.0)) -> Twist:
     return Twist((0.0, 0.0, 0.0), v, w)
 
 
-def ahead(varying=CONSTANT, steady=(0.0, 0.0, 0.0), horizon=inf) -> Approach:
-    return Approach(0.0, 0.0, horizon, steady, varying)
+def ahead(varying=CONSTANT, steady=(0.0, 0.0, 0.0), horizon=inf) -> RelativeRates:
+    return RelativeRates(0.0, 0.0, horizon, steady, varying)
 
 
-def overlaps(one, other, twist, future, error=0.0, radius=0.0) -> Overlaps:
+def overlaps(one, other, twist, future, error=0.0, radius=0.0) -> TriangleOverlap:
     near = proper(NearTriangles(one, other, np.full(len(one), radius)))
-    return Overlaps(near, (twist, STILL), error, future, 0.0)
+    return TriangleOverlap(near, (twist, STILL), error, future, 0.0)
 
 
 def test_triangles_on_random_motions_meet_as_long_as_is_said():
@@ -62,16 +62,16 @@ def test_triangles_on_random_motions_meet_as_long_as_is_said():
         radius = 0.3 * size if rng.random() < 0.5 else 0.0
         a, b = (random_chain(rng, corners, 0.0, CONTINUOUS) for corners in own)
         motion, t = RelativeMotion(a, b), float(rng.uniform(-1, 1))
-        moments = motion.at(t)
-        placed = moved(moments.a.pose, own[0]), moved(moments.b.pose, own[1])
+        state = motion.at(t)
+        placed = moved(state.a.pose, own[0]), moved(state.b.pose, own[1])
         meeting = [rng.dirichlet(np.ones(3)) @ corners for corners in placed]
         shift = meeting[0] - meeting[1] + np.array(random_unit(rng)) * radius * rng.random()
         one, other = placed[0], placed[1] + shift
-        near = motion.approach(moments, float(10.0 ** rng.uniform(-4, 0.5)), Part.CORE)
-        twists = moments.a.twist, moments.b.twist
+        near = motion.approach(state, float(10.0 ** rng.uniform(-4, 0.5)), Part.CORE)
+        twists = state.a.twist, state.b.twist
         twists = twists[0], twists[1]._replace(origin=vector(np.array(twists[1].origin) + shift))
         pairs = proper(NearTriangles(one[None], other[None], np.array([radius])))
-        found = Overlaps(pairs, twists, 0.0, near, 0.0)
+        found = TriangleOverlap(pairs, twists, 0.0, near, 0.0)
         sleep = found.sleep()
         held += sleep > 0.0
         for s in np.linspace(0.0, sleep, SAMPLES):
@@ -119,7 +119,7 @@ def test_parallel_faces_at_rest_on_each_other_are_held():
 
 def test_sliding_faster_and_faster_along_a_face_does_not_part_them():
     lying = FLOOR * 0.25
-    faster = ahead(Spread(0.0, (), ((3.0, 0.0, 0.0),)), (1.0, 0.0, 0.0))
+    faster = ahead(AccelerationSet(0.0, (), ((3.0, 0.0, 0.0),)), (1.0, 0.0, 0.0))
     assert overlaps(lying, FLOOR, STILL, faster, error=1e-12).sleep() == pytest.approx(sqrt(2.0 * 2.5 / 4.0), rel=1e-6)
     upwards = ahead(ball(1e-3))
     assert overlaps(lying, FLOOR, STILL, upwards, error=1e-12).sleep() == pytest.approx(sqrt(2e-12 / 1e-3), rel=1e-2)

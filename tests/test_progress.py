@@ -12,13 +12,13 @@ from small_scenes import box
 from test_cli_terminal import on_a_terminal
 
 from closecall.cli.progress import HERE, LEAST_SECONDS, Steps, TimeLeft
-from closecall.scheduler.broad.active_pairs import Crowd
+from closecall.scheduler.broad.active_pairs import ActivePairs
 from closecall.scheduler.broad.broad_phase import BroadPhase
 from closecall.scheduler.broad.windows import Sweeps
 from closecall.scheduler.model.scene import Body, PairRules, Scene, Settings
 from closecall.scheduler.motions import Constant, Fixed, Harmonic
 from closecall.scheduler.narrow.narrow_phase import NarrowPhase
-from closecall.scheduler.pairs.pair_factory import Pairing
+from closecall.scheduler.pairs.pair_factory import PairFactory
 from closecall.scheduler.parallel.merge import observer_of
 from closecall.scheduler.run import run
 from closecall.scheduler.snapshots.schedule import observed, snapshot_times
@@ -79,9 +79,9 @@ def test_steps_follow_each_other_and_each_is_done_in_the_end(crowded: bool) -> N
     posts = [Body(f"post{k}", None, at(0.3 * k + 1.0), Fixed(), (box(0.1, 1, 1),)) for k in range(3)]
     scene = Scene((slider, spinner, *posts), 0.0, 3.0, PairRules())
     settings = Settings()
-    pairing = Pairing(scene, NarrowPhase(scene.bodies), 0.0)
+    pairing = PairFactory(scene, NarrowPhase(scene.bodies), 0.0)
     pairs = () if crowded else tuple(pairing.all())
-    crowd = Crowd(pairing, settings, BroadPhase(scene, Sweeps(pairing))) if crowded else None
+    crowd = ActivePairs(pairing, settings, BroadPhase(scene, Sweeps(pairing))) if crowded else None
     observer = observer_of(pairing, None if crowded else pairs, 5)
     events = observed(run(pairs, settings, crowd), observer, snapshot_times(scene, 30.0), settings.time_resolution)
     steps = Steps(0.0, 3.0, HERE)

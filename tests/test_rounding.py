@@ -12,12 +12,12 @@ from drawn_motions import EPSILON, random_unit, vector
 from scipy.spatial.transform import Rotation
 from small_scenes import events_of, round_shape
 
-from closecall.scheduler.bounds.triangle_overlap import Overlaps
-from closecall.scheduler.bounds.triangle_slabs import Slabs
+from closecall.scheduler.bounds.triangle_overlap import TriangleOverlap
+from closecall.scheduler.bounds.triangle_slabs import TriangleSlabs
 from closecall.scheduler.geometry.transform import rotation_of_quaternion
 from closecall.scheduler.geometry.vector import ZERO
 from closecall.scheduler.kinematics.chain import Chain, Twist, chain_to
-from closecall.scheduler.kinematics.relative_motion import Approach, RelativeMotion
+from closecall.scheduler.kinematics.relative_motion import RelativeMotion, RelativeRates
 from closecall.scheduler.model.events import Distance, Span, Verdict
 from closecall.scheduler.model.extent import Ball, Extent, body_extent
 from closecall.scheduler.model.scene import Body, Mesh, PairRules, Scene, Shape
@@ -160,8 +160,8 @@ def test_slabs_spend_no_more_than_their_gap_to_the_last_bit():
         gap, speed, acceleration = map(float, 10.0 ** rng.uniform(-3, 3, 3))
         moving = Twist(ZERO, (0.0, 0.0, speed), ZERO)
         near = NearTriangles(square, square + np.array([0.0, 0.0, gap]), np.zeros(1))
-        ahead = Approach(speed, acceleration, 1e3, (0.0, 0.0, acceleration), CONSTANT)
-        slabs = Slabs(near, (moving, STILL), (0.0, 0.0, 1.0), 0.0, inf, ahead, 0.0)
+        ahead = RelativeRates(speed, acceleration, 1e3, (0.0, 0.0, acceleration), CONSTANT)
+        slabs = TriangleSlabs(near, (moving, STILL), (0.0, 0.0, 1.0), 0.0, inf, ahead, 0.0)
 
         def left(s, gap=gap, speed=speed, acceleration=acceleration) -> Fraction:
             return Fraction(gap) - Fraction(speed) * s - Fraction(acceleration) * s**2 / 2
@@ -189,7 +189,7 @@ def segment_distance(p, d, q, e) -> float:
 def depth_of(edge, face) -> float:
     """Return how far (m) an edge (2, 3) and a face (3, 3) may get relative to each other and meet."""
     near = NearTriangles(edge[[0, 1, 1]][None], face[None], np.zeros(1))
-    return Overlaps(near, (STILL, STILL), 0.0, Approach(0.0, 0.0, 1.0, ZERO, CONSTANT), 0.0).depth
+    return TriangleOverlap(near, (STILL, STILL), 0.0, RelativeRates(0.0, 0.0, 1.0, ZERO, CONSTANT), 0.0).depth
 
 
 def test_an_edge_nearly_along_a_border_is_no_farther_from_it_than_it_is():

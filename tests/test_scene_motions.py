@@ -20,10 +20,10 @@ from closecall.scheduler.motions import (
     Motion,
     Orbit,
     Polynomial,
-    Profile,
     Screw,
     Swing,
     Translation,
+    Trapezoid,
 )
 
 X, Y, Z, ORIGIN = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, 0.0)
@@ -74,10 +74,10 @@ def test_t0_is_the_scene_time_at_which_a_motions_own_time_begins(tmp_path: Path,
 
 def test_a_profile_slides_in_lengths_and_turns_in_angles(tmp_path: Path) -> None:
     slide = motion(tmp_path, f"{{type: profile, kind: slide, {MOVE}}}")
-    assert slide == Profile(False, Y, ORIGIN, 0.09, -0.18, 0.36, 0.72, 0.0)
+    assert slide == Trapezoid(False, Y, ORIGIN, 0.09, -0.18, 0.36, 0.72, 0.0)
     turn = motion(tmp_path, f"{{type: profile, kind: turn, {MOVE}, point: [1, 2, 3], t0: 0.5}}")
     right = math.pi / 2
-    assert turn == Profile(True, Y, (0.001, 0.002, 0.003), right, -2 * right, 4 * right, 8 * right, 0.5)
+    assert turn == Trapezoid(True, Y, (0.001, 0.002, 0.003), right, -2 * right, 4 * right, 8 * right, 0.5)
 
 
 def test_a_profile_rests_until_its_t0_and_after_its_end(tmp_path: Path) -> None:

@@ -7,15 +7,15 @@ import pytest
 from drawn_motions import CONTINUOUS, random_chain, random_unit, vector
 from small_scenes import box
 
-from closecall.scheduler.bounds.body_slab import Points, Slab
+from closecall.scheduler.bounds.body_slab import BodySlab, Points
 from closecall.scheduler.kinematics.chain import Part, Twist
-from closecall.scheduler.kinematics.relative_motion import Approach, RelativeMotion
+from closecall.scheduler.kinematics.relative_motion import RelativeMotion, RelativeRates
 from closecall.scheduler.model.scene import Body, PairRules, Scene
 from closecall.scheduler.motions import Fixed, Harmonic
 from closecall.scheduler.motions.acceleration_set import STILL, ball
 from closecall.scheduler.narrow.narrow_phase import NarrowPhase
 from closecall.scheduler.pairs.pair_factory import pairs_that_might_collide
-from closecall.scheduler.pairs.separation import Outlook
+from closecall.scheduler.pairs.separation import SeparationSleep
 from oracle.gjk import distances
 
 CASES = 50
@@ -55,23 +55,23 @@ class Case:
         self.t, duration = float(rng.uniform(-1, 1)), float(10.0 ** rng.uniform(-4, 0.3))
         a, b = (random_chain(rng, points, 0.0, CONTINUOUS) for points in self.own)
         self.motion = RelativeMotion(a, b)
-        moments = self.motion.at(self.t)
-        poses = moments.a.pose, moments.b.pose
+        state = self.motion.at(self.t)
+        poses = state.a.pose, state.b.pose
         apart = np.array(random_unit(rng)) * size * float(rng.uniform(2, 8))
         self.shift = poses[0][:3, 3] - poses[1][:3, 3] + apart
         one, other = self.placed(self.t)
-        twists = moments.a.twist, moments.b.twist
+        twists = state.a.twist, state.b.twist
         twists = twists[0], twists[1]._replace(origin=vector(np.array(twists[1].origin) + self.shift))
         bodies = [
             Points(places, np.full(len(places), radius), twist)
             for places, radius, twist in zip((one, other), self.radii, twists, strict=True)
         ]
-        near = self.motion.approach(moments, duration, Part.CORE)
-        self.slab = Slab(bodies[0], bodies[1], nearest_faces(one, other), 0.0, 0.0, near, 0.0)
+        near = self.motion.approach(state, duration, Part.CORE)
+        self.slab = BodySlab(bodies[0], bodies[1], nearest_faces(one, other), 0.0, 0.0, near, 0.0)
 
     def placed(self, t) -> tuple[np.ndarray, np.ndarray]:
-        moments = self.motion.at(t)
-        return moved(moments.a.pose, self.own[0]), moved(moments.b.pose, self.own[1]) + self.shift
+        state = self.motion.at(t)
+        return moved(state.a.pose, self.own[0]), moved(state.b.pose, self.own[1]) + self.shift
 
     def nearest(self, duration) -> float:
         """Return the least distance (m) at samples of the time from t on."""
@@ -106,30 +106,30 @@ def test_the_clearance_of_the_slab_is_kept():
     assert told > CASES // 5
 
 
-def slab(twist, ahead, gap=1e-3) -> Slab:
+def slab(twist, ahead, gap=1e-3) -> BodySlab:
     """Return the slab between a square that moves and one above it at rest."""
     above = SQUARE + np.array([0.0, 0.0, gap])
     one = Points(SQUARE, np.zeros(4), twist)
     other = Points(above, np.zeros(4), AT_REST)
-    return Slab(one, other, (SQUARE[:3], above[:3]), 0.0, 0.0, ahead, 0.0)
+    return BodySlab(one, other, (SQUARE[:3], above[:3]), 0.0, 0.0, ahead, 0.0)
 
 
 def test_motion_along_the_slab_costs_nothing():
-    ahead = Approach(1e3, 10.0, 3.0, (9.81, 0.0, -1.0), STILL)
+    ahead = RelativeRates(1e3, 10.0, 3.0, (9.81, 0.0, -1.0), STILL)
     assert slab(AT_REST._replace(velocity=(1e3, 5e2, 0.0)), ahead).sleep(0.0) == 3.0
 
 
 @pytest.mark.parametrize("varying", [0.0, 0.5])
 def test_an_acceleration_closes_it_by_its_part_across(varying):
     """From rest, 1 mm apart, at 2 m/s^2 upwards: after sqrt(2 x 0.001 / 2) s."""
-    ahead = Approach(0.0, 10.0, 3.0, (9.0, 0.0, 2.0), ball(varying))
+    ahead = RelativeRates(0.0, 10.0, 3.0, (9.0, 0.0, 2.0), ball(varying))
     found = slab(AT_REST, ahead).sleep(0.0)
     assert sqrt(2e-3 / (2.0 + varying)) * 0.99 < found <= sqrt(2e-3 / (2.0 + varying))
 
 
 def test_a_square_that_tilts_closes_it_with_its_far_corner():
     """About the y axis through its edge at x = 0, at 0.1 rad/s towards the other: the corner rises by 0.1 m/s."""
-    ahead = Approach(0.1, 0.0, 1.0, (0.0, 0.0, 0.0), STILL)
+    ahead = RelativeRates(0.1, 0.0, 1.0, (0.0, 0.0, 0.0), STILL)
     found = slab(AT_REST._replace(angular_velocity=(0.0, -0.1, 0.0)), ahead).sleep(0.0)
     assert found == pytest.approx(1e-2, rel=1e-6)
 
@@ -144,4 +144,4 @@ def test_nothing_is_slept_on_where_a_distance_is_hardly_above_what_it_is_to_keep
     )
     (pair,) = pairs_that_might_collide(Scene(bodies, 0.0, 1.0, PairRules()), NarrowPhase(bodies), 0.0)
     measurement = pair.measure_exactly(0.0)
-    assert Outlook(pair, measurement, measurement.clearance * (1.0 - 1e-15)).sleep(1.0, 1e-3)[0] < 1e-12
+    assert SeparationSleep(pair, measurement, measurement.clearance * (1.0 - 1e-15)).sleep(1.0, 1e-3)[0] < 1e-12

@@ -13,7 +13,7 @@ from cli_process import closecall
 from scene_files import HEAD, MOTION, body, fault, load, motion
 
 from closecall.scheduler.geometry.vector import unit
-from closecall.scheduler.motions import Ballistic, Polynomial, Profile, Reach
+from closecall.scheduler.motions import Ballistic, LeverArms, Polynomial, Trapezoid
 from oracle.check import check_log
 from oracle.logs import read_log
 
@@ -123,13 +123,13 @@ def test_a_subnormal_spin_does_not_shorten_the_way_gone_along_its_axis() -> None
     for spin in ((5e-324, 5e-324, 5e-324), (1.5e-323, 1e-323, 0.0)):
         moving = Ballistic((1.0, 1.0, 1.0), (0.0, 0.0, 0.0), spin)
         truth = 2.0 * 3.0**0.5
-        assert moving.displacement(0.0, 2.0, Reach(1.0, 1.0)) == pytest.approx(truth, rel=1e-15)
-        assert moving.path_length(0.0, 2.0, Reach(1.0, 1.0)) == pytest.approx(truth, rel=1e-15)
+        assert moving.displacement(0.0, 2.0, LeverArms(1.0, 1.0)) == pytest.approx(truth, rel=1e-15)
+        assert moving.path_length(0.0, 2.0, LeverArms(1.0, 1.0)) == pytest.approx(truth, rel=1e-15)
 
 
 @pytest.mark.parametrize("travel", [5e-324, 1e-310, 1e-170, 1e-30])
 def test_the_least_way_of_a_profile_takes_its_time(travel: float) -> None:
-    slide = Profile(False, (1.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, travel, 1.0, 1e15, 0.0)
+    slide = Trapezoid(False, (1.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, travel, 1.0, 1e15, 0.0)
     stopped = slide.knot_after(slide.knot_after(slide.knot_after(-1.0)))
     assert stopped == pytest.approx(2.0 * float(travel**0.5) / 1e15**0.5, rel=1e-9)
     assert slide.pose(1.0)[0, 3] == travel
@@ -147,7 +147,7 @@ def test_keys_a_quadrillionth_of_a_second_apart_have_finite_bounds(tmp_path: Pat
     keys = "[{t: 0}, {t: 1.0e-15, xyz: [1.0e+15, 0, 0]}, {t: 1}]"
     read: Any = motion(tmp_path, f"{{type: keyframes, interpolation: {{translation: cubic}}, keys: {keys}}}")
     assert np.isfinite(read.path.fastest)
-    assert read.path_length(0.0, 1.0, Reach(1.0, 1.0)) >= 2e12
+    assert read.path_length(0.0, 1.0, LeverArms(1.0, 1.0)) >= 2e12
 
 
 def test_a_time_too_short_to_be_run_is_refused(tmp_path: Path) -> None:
@@ -167,7 +167,7 @@ def test_the_way_of_a_tiny_coefficient_is_that_of_exact_fractions() -> None:
                 t = share * latest
                 truth = float(sum(Fraction(size) * Fraction(t) ** k for k, size in enumerate(sizes)))
                 assert moving.pose(t)[0, 3] == pytest.approx(truth, rel=1e-13)
-                way = moving.displacement(0.0, t, Reach(0.0, 0.0))
+                way = moving.displacement(0.0, t, LeverArms(0.0, 0.0))
                 assert (truth - sizes[0]) * 2.0**0.5 * (1.0 - 1e-12) <= way <= (truth - sizes[0]) * 2.0**0.5 * 1.1
 
 

@@ -10,7 +10,7 @@ from closecall.scheduler.model.scene import Body, PairRules, Scene
 from closecall.scheduler.motions import Constant, Fixed, Harmonic
 from closecall.scheduler.narrow.narrow_phase import NarrowPhase
 from closecall.scheduler.pairs.pair_factory import pairs_that_might_collide
-from closecall.scheduler.pairs.tangent_search import MOST_STEPS, Tangent, Valley
+from closecall.scheduler.pairs.tangent_search import MOST_STEPS, Tangent, TangentSearch
 
 CLOSE = 1e-3
 
@@ -39,7 +39,7 @@ LOWS = {
 
 def looked_at(distance, slope, begin: float, early: float, late: float, turn: float = 0.0) -> list[float]:
     """Return the times that a valley is looked at, from `begin` on."""
-    valley, times = Valley(early, late), [begin]
+    valley, times = TangentSearch(early, late), [begin]
     while (time := valley.next(Tangent(times[-1], distance(times[-1]), slope(times[-1]), turn), CLOSE)) is not None:
         times.append(time)
     return times

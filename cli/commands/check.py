@@ -85,10 +85,10 @@ def _checked(
     """
     from ...scheduler.broad.broad_phase import near_at_start
     from ...scheduler.narrow.narrow_phase import NarrowPhase
-    from ...scheduler.pairs.pair_factory import Pairing
+    from ...scheduler.pairs.pair_factory import PairFactory
     from ..job import FEW_PAIRS, counted_pairs, require_few
 
-    pairing = Pairing(loaded.scene, NarrowPhase(loaded.scene.bodies), loaded.settings.margin)
+    pairing = PairFactory(loaded.scene, NarrowPhase(loaded.scene.bodies), loaded.settings.margin)
     loaded, total = counted_pairs(loaded, strict)
     if total > FEW_PAIRS:
         pairs = tuple(near_at_start(pairing))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ...scheduler.model.body_tree import parents_first
+from ...scheduler.model.body_tree import topological_order
 from ...scheduler.model.scene import Body, Scene, Settings, least_duration
 from ...scheduler.motions import Interval
 from .build.existence import existence, needed_times
@@ -135,7 +135,7 @@ def _nearest_key_names(bodies: tuple[Body, ...], named: Mapping[str, KeyNames]) 
     """Return the key names that tell of each body: its own, else those of the nearest ancestor with any."""
     found: dict[int, KeyNames] = {}
     if named:
-        for index in parents_first(bodies):
+        for index in topological_order(bodies):
             parent = bodies[index].parent
             names = named.get(bodies[index].name) or (None if parent is None else found.get(parent))
             if names is not None:

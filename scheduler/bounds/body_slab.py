@@ -14,7 +14,7 @@ import numpy as np
 from ..geometry.arrays import FloatArray
 from ..geometry.rounding import RELATIVE_ROUNDING
 from ..kinematics.chain import Twist
-from ..kinematics.relative_motion import Approach
+from ..kinematics.relative_motion import RelativeRates
 from ..narrow.slivers import EPSILON
 from .triangle_slabs import axes_between, roots
 
@@ -34,7 +34,7 @@ class Points(NamedTuple):
     twist: Twist
 
 
-class Slab:
+class BodySlab:
     """The slab between two bodies at one time that lasts longest, of those along the axes of their nearest triangles.
 
     Its width after s is the least of the one body's n.q + n.v s less the most of the other's, less what accelerations
@@ -51,7 +51,7 @@ class Slab:
         nearest: tuple[FloatArray, FloatArray],
         error: float,
         beyond: float,
-        near_future: Approach,
+        near_future: RelativeRates,
         slack: float,
     ) -> None:
         """Take the bodies.
@@ -77,7 +77,7 @@ class Slab:
         axes, low, high = axes[wide], low[wide], high[wide]
         approach, retreat = one.twist.along(axes, one.places), other.twist.along(axes, other.places)
         closings = approach.max(axis=1) - retreat.min(axis=1) + slack
-        bends = np.maximum(0.0, axes @ np.array(near_future.steady) + near_future.varying.along(axes))
+        bends = np.maximum(0.0, axes @ np.array(near_future.steady) + near_future.varying.supports(axes))
         lasting = roots(widths[wide] - beyond, closings, bends)
         best = int(lasting.argmax())
         self._low, self._approach = _foremost(low[best], approach[best], self.horizon)

@@ -11,7 +11,7 @@ from math import ulp
 from ..geometry.rounding import RELATIVE_ROUNDING
 from ..geometry.vector import Vector, add, norm, scale, subtract
 from ..kinematics.chain import Part
-from ..kinematics.relative_motion import Approach, Moments, RelativeMotion
+from ..kinematics.relative_motion import PairState, RelativeMotion, RelativeRates
 
 #: So many times a motion may change its law before the balls are looked at anew.
 MOST_LEGS = 64
@@ -19,7 +19,7 @@ MOST_LEGS = 64
 HALVINGS = 32
 
 
-class InnerBalls:
+class InscribedSpheres:
     """Two balls about the middles of a pair's bodies, inside them."""
 
     def __init__(self, motion: RelativeMotion, radii: float) -> None:
@@ -27,7 +27,7 @@ class InnerBalls:
         self._motion = motion
         self._radii = radii
 
-    def sleep(self, moments: Moments, horizon: float, worth: float = 0.0) -> float:
+    def sleep(self, state: PairState, horizon: float, worth: float = 0.0) -> float:
         """Return how long (s, <= horizon) they go on meeting, 0 if they do not meet; errs low.
 
         Where a motion changes its law they are looked at again; up to there, displacement is what is certain.
@@ -37,10 +37,10 @@ class InnerBalls:
             horizon: s, before the next stop.
             worth: s, how long there are to be between two such looks, on the average.
         """
-        motion, start, since, late = self._motion, moments.time, 0.0, 0.0
+        motion, start, since, late = self._motion, state.time, 0.0, 0.0
         for legs in range(MOST_LEGS):
             wanted = horizon - since + late
-            leg = _Leg(motion, moments, wanted)
+            leg = _Leg(motion, state, wanted)
             lasts = leg.lasts(self._radii)
             slept = since + max(0.0, lasts - late)
             if lasts < leg.horizon:
@@ -48,12 +48,12 @@ class InnerBalls:
             if leg.horizon >= wanted:
                 return horizon
             late = 4.0 * ulp(abs(start) + horizon)
-            knot, moved = motion.crossing(moments, leg.horizon, late)
+            knot, moved = motion.crossing(state, leg.horizon, late)
             if not leg.apart(leg.horizon) + moved <= self._radii or slept < legs * worth:
                 return slept
             if knot - start > horizon:
                 return horizon
-            moments, since = motion.at(knot), knot - start
+            state, since = motion.at(knot), knot - start
         return since
 
 
@@ -64,13 +64,13 @@ class _Leg:
         horizon: s, until when.
     """
 
-    def __init__(self, motion: RelativeMotion, moments: Moments, duration: float) -> None:
-        near: Approach = motion.approach(moments, duration, Part.CENTRE)
-        a, b = moments.a, moments.b
+    def __init__(self, motion: RelativeMotion, state: PairState, duration: float) -> None:
+        near: RelativeRates = motion.approach(state, duration, Part.CENTRE)
+        a, b = state.a, state.b
         self.horizon = near.horizon
         self._apart: Vector = subtract(b.centre, a.centre)
         self._parting: Vector = subtract(b.twist.of(b.centre), a.twist.of(a.centre))
-        self._slack = motion.slack(moments)
+        self._slack = motion.slack(state)
         self._bend = near.acceleration
 
     def apart(self, since: float) -> float:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from ..geometry.rounding import RELATIVE_ROUNDING
 from ..geometry.vector import Vector, dot, norm, scale, subtract, unit
 from ..kinematics.chain import Part
-from ..kinematics.relative_motion import Approach, Moments, RelativeMotion
+from ..kinematics.relative_motion import PairState, RelativeMotion, RelativeRates
 from .closed_form import longest_sleep, time_bound
 
 #: So many slabs follow each other at most, and on the average each is to last for so small a share of what is asked.
@@ -36,7 +36,7 @@ class Gap(NamedTuple):
         return self.width - lost * (1.0 + RELATIVE_ROUNDING)
 
 
-class BallSlab:
+class SphereSlab:
     """The slab between two balls at one time that lasts longest of two, or of two that last, stays widest.
 
     One lies across the way between the middles now, the other across that way when they are nearest, as they go on.
@@ -46,7 +46,7 @@ class BallSlab:
     """
 
     def __init__(
-        self, apart: Vector, taken: float, closing: Vector, beyond: float, near_future: Approach, slack: float
+        self, apart: Vector, taken: float, closing: Vector, beyond: float, near_future: RelativeRates, slack: float
     ) -> None:
         """Take the balls.
 
@@ -78,7 +78,7 @@ class BallSlab:
 
     def _across(self, way: Vector, apart: Vector, closing: Vector) -> Gap:
         """Return the gap between the balls along a unit vector."""
-        bend = dot(way, self._near.steady) + self._near.varying.reach(way)
+        bend = dot(way, self._near.steady) + self._near.varying.support(way)
         return Gap(dot(way, apart) - self._lost, dot(way, closing) + self._slack, max(0.0, bend))
 
 
@@ -116,17 +116,17 @@ class _Stage(NamedTuple):
     late: float
     wanted: float
     kept: float
-    slab: BallSlab | Stay
+    slab: SphereSlab | Stay
 
 
-class BallSlabs:
+class SphereSlabs:
     """Slabs between the bounding balls of a pair, one after the other: a new one wherever a motion changes its law.
 
     Where it changes so often that slabs would be too many, what the balls are displaced by leads on instead, past any
     number of knots. Where balls are is known by heart: no measurement is needed on the way.
     """
 
-    def __init__(self, motion: RelativeMotion, error: float, moments: Moments, duration: float, beyond: float) -> None:
+    def __init__(self, motion: RelativeMotion, error: float, state: PairState, duration: float, beyond: float) -> None:
         """Look ahead from a time.
 
         Args:
@@ -136,27 +136,27 @@ class BallSlabs:
             duration: s, how far ahead they may be asked of, before the next stop.
             beyond: m, the width that slabs are chosen to keep; past where one does not there is none.
         """
-        start, since, late, kept = moments.time, 0.0, 0.0, inf
+        start, since, late, kept = state.time, 0.0, 0.0, inf
         self._duration = duration
         self._stages: list[_Stage] = []
         while True:
             wanted = duration - since + late if since < duration else 0.0
-            slab: BallSlab | Stay = _slab_between(motion, error, moments, wanted, beyond)
+            slab: SphereSlab | Stay = _slab_between(motion, error, state, wanted, beyond)
             if MOST_SLABS * slab.horizon < wanted and slab.sleep(beyond) == slab.horizon:
-                stay = _stay_of(motion, error, moments, wanted, beyond)
+                stay = _stay_of(motion, error, state, wanted, beyond)
                 slab = stay if stay.horizon > slab.horizon else slab
             self._stages.append(_Stage(since, late, wanted, kept, slab))
             if slab.horizon >= wanted or slab.sleep(beyond) < slab.horizon or self._are_many(since + slab.horizon):
                 return
             late = 4.0 * ulp(abs(start) + duration)
             if isinstance(slab, Stay):
-                following, moved = moments.time + (slab.horizon - late), 0.0
+                following, moved = state.time + (slab.horizon - late), 0.0
             else:
-                following, moved = motion.crossing(moments, slab.horizon, late)
+                following, moved = motion.crossing(state, slab.horizon, late)
             kept = min(kept, slab.clearance(slab.horizon) - moved)
-            if following - start > duration or following <= moments.time or kept <= beyond:
+            if following - start > duration or following <= state.time or kept <= beyond:
                 return
-            moments, since = motion.at(following), following - start
+            state, since = motion.at(following), following - start
 
     def _are_many(self, reached: float) -> bool:
         """Tell whether there are too many to go on, or too many for how far (s) they have reached."""
@@ -185,23 +185,23 @@ class BallSlabs:
         return -inf
 
 
-def _slab_between(motion: RelativeMotion, error: float, moments: Moments, duration: float, beyond: float) -> BallSlab:
+def _slab_between(motion: RelativeMotion, error: float, state: PairState, duration: float, beyond: float) -> SphereSlab:
     """Return the slab between the bounding balls of a pair at one time, up to where a motion changes its law."""
-    a, b = moments.a, moments.b
-    near = motion.approach(moments, duration, Part.CENTRE)
+    a, b = state.a, state.b
+    near = motion.approach(state, duration, Part.CENTRE)
     closing = subtract(a.twist.of(a.centre), b.twist.of(b.centre))
-    taken = motion.radii + motion.spread(moments.time) + error
-    return BallSlab(subtract(b.centre, a.centre), taken, closing, beyond, near, motion.slack(moments))
+    taken = motion.radii + motion.spread(state.time) + error
+    return SphereSlab(subtract(b.centre, a.centre), taken, closing, beyond, near, motion.slack(state))
 
 
-def _stay_of(motion: RelativeMotion, error: float, moments: Moments, duration: float, beyond: float) -> Stay:
+def _stay_of(motion: RelativeMotion, error: float, state: PairState, duration: float, beyond: float) -> Stay:
     """Return for how long the bounding balls of a pair spend no more than half of what they are apart beyond `beyond`.
 
     The other half keeps those that are far apart known to be so, and is spent by the stays that follow.
     """
-    t = moments.time
+    t = state.time
     taken = motion.radii + motion.spread(t) + error
-    gap = norm(subtract(moments.b.centre, moments.a.centre)) * (1.0 - RELATIVE_ROUNDING)
+    gap = norm(subtract(state.b.centre, state.a.centre)) * (1.0 - RELATIVE_ROUNDING)
     gap -= taken * (1.0 + RELATIVE_ROUNDING)
     middles = motion.middles
     now = middles.at(t)

@@ -20,7 +20,7 @@ from ..geometry.rounding import RELATIVE_ROUNDING
 from ..geometry.segments import sides_of
 from ..geometry.transform import crossed
 from ..kinematics.chain import Twist
-from ..kinematics.relative_motion import Approach
+from ..kinematics.relative_motion import RelativeRates
 from ..narrow.slivers import EPSILON
 from ..narrow.triangle_pairs import NearTriangles
 from .triangle_slabs import SHORTEST, roots, units
@@ -34,7 +34,7 @@ MOST_FLAT = 8.0
 ROUNDING = 16.0 * EPSILON
 
 
-class Overlaps:
+class TriangleOverlap:
     """Pairs of triangles of two touching bodies at one time.
 
     Attributes:
@@ -42,7 +42,7 @@ class Overlaps:
     """
 
     def __init__(
-        self, near: NearTriangles, twists: tuple[Twist, Twist], error: float, near_future: Approach, slack: float
+        self, near: NearTriangles, twists: tuple[Twist, Twist], error: float, near_future: RelativeRates, slack: float
     ) -> None:
         """Take the pairs.
 
@@ -69,7 +69,7 @@ class Overlaps:
         aslant = np.linalg.norm(crossed(directions, normals), axis=2)
         left = offsets + thickness + wider[:, None] * aslant - error - rounding[:, None]
         closing = (-(twists[0].at(near.one) @ onto)).max(axis=1) + (twists[1].at(near.other) @ onto).max(axis=1) + slack
-        bends = np.maximum(0.0, near_future.varying.along(directions) - directions @ np.array(near_future.steady))
+        bends = np.maximum(0.0, near_future.varying.supports(directions) - directions @ np.array(near_future.steady))
         self._lasting = np.where(pointless, inf, roots(left, closing, bends)).min(axis=1)
         self._horizon = near_future.horizon
         self.depth = float(np.where(pointless, inf, left).min(axis=1).max(initial=0.0))

@@ -21,7 +21,7 @@ from ..geometry.segments import sides_of, ways_between
 from ..geometry.transform import crossed
 from ..geometry.vector import Vector
 from ..kinematics.chain import Twist
-from ..kinematics.relative_motion import Approach
+from ..kinematics.relative_motion import RelativeRates
 from ..narrow.triangle_pairs import NearTriangles
 
 #: Vectors shorter than this (m, m^2) point nowhere. Longer ones that are noise do no harm: each gap is measured anew.
@@ -46,7 +46,7 @@ class Gaps(NamedTuple):
     bends: FloatArray
 
 
-class Slabs:
+class TriangleSlabs:
     """Gaps between all triangles of two bodies that are within reach of each other, at one time.
 
     Attributes:
@@ -61,7 +61,7 @@ class Slabs:
         direction: Vector,
         error: float,
         reach: float,
-        near_future: Approach,
+        near_future: RelativeRates,
         slack: float,
     ) -> None:
         """Take the pairs.
@@ -140,7 +140,7 @@ class Slabs:
         gaps = high[:, None, :] - low[:, :, None] - taken[:, None, None, None]
         closings = approach[:, :, None] - retreat[:, None, :] + self._slack
         shape = (len(pairs), 9, directions.shape[1])
-        bends = np.maximum(0.0, directions @ self._steady + self._varying.along(directions))
+        bends = np.maximum(0.0, directions @ self._steady + self._varying.supports(directions))
         return Gaps(
             np.swapaxes(gaps.reshape(shape), 1, 2), np.swapaxes(closings.reshape(shape), 1, 2), bends[..., None]
         )

@@ -8,20 +8,20 @@ from math import inf
 from ..model.events import Bound, Event, Reason, Window
 from ..model.scene import Settings, pair_id
 from ..model.share import WHOLE, Share
-from ..pairs.monitor import Plan, Watch
-from ..pairs.pair_factory import Pairing
+from ..pairs.monitor import Monitor, Plan
+from ..pairs.pair_factory import PairFactory
 from .broad_phase import Tick
-from .window_history import History
+from .window_history import WindowHistory
 
 
-class Crowd:
+class ActivePairs:
     """Which pairs are in the queue, and what is known of those that have left it.
 
     Invariant: at every time each pair that might collide is covered by disjoint swept boxes over windows that contain
     that time, or is in the queue with a valid wakeup, or has been decided up to its end.
     """
 
-    def __init__(self, pairing: Pairing, settings: Settings, ticks: Iterable[Tick], share: Share = WHOLE) -> None:
+    def __init__(self, pairing: PairFactory, settings: Settings, ticks: Iterable[Tick], share: Share = WHOLE) -> None:
         """Take what makes the scene's pairs; none is made yet. Of a share, only its pairs ever enter the queue.
 
         `ticks` are the broad phase's.
@@ -32,17 +32,17 @@ class Crowd:
         self._ticks = iter(ticks)
         self._tick = next(self._ticks, None)
         self._bodies = len(pairing.scene.bodies)
-        self._history = History(self._bodies)
+        self._history = WindowHistory(self._bodies)
         self._inside: set[int] = set()
         self._never: set[int] = set()
-        self._outside: dict[int, Watch] = {}
+        self._outside: dict[int, Monitor] = {}
 
     @property
     def next_tick(self) -> float:
         """When windows end, and others begin, s; inf for never."""
         return inf if self._tick is None else self._tick.time
 
-    def meet(self) -> Generator[Event, None, list[tuple[float, Reason, Watch]]]:
+    def meet(self) -> Generator[Event, None, list[tuple[float, Reason, Monitor]]]:
         """Begin the windows of the next tick; tell them, and return the pairs that enter with their wakeups.
 
         Every share has all windows, the first one tells them.
@@ -68,7 +68,7 @@ class Crowd:
             entering.append((begin if first else time, Reason.START if first else Reason.WINDOW, watch))
         return entering
 
-    def part(self, watch: Watch, plan: Plan) -> Plan:
+    def part(self, watch: Monitor, plan: Plan) -> Plan:
         """Return the pair's plan, or, where windows clear it for longer, how long they do: then it leaves the queue.
 
         They have to clear it from when it is decided to: a last step that is to be tried finer is not.
@@ -87,7 +87,7 @@ class Crowd:
             yield from watch.clear(self._history.clearances(key.a, key.b, watch.decided, end))
             yield from watch.finish()
 
-    def _watch(self, a: int, b: int) -> Watch | None:
+    def _watch(self, a: int, b: int) -> Monitor | None:
         """Return the watch of a pair that is to enter, made where it never has; None where it is in, or never does."""
         number = pair_id(a, b, self._bodies)
         if not self._share.has(number) or number in self._inside or number in self._never:
@@ -98,7 +98,7 @@ class Crowd:
             if pair is None:
                 self._never.add(number)
                 return None
-            watch = Watch(pair, self._settings)
+            watch = Monitor(pair, self._settings)
         self._inside.add(number)
         return watch
 

@@ -18,7 +18,7 @@ from ..geometry.arrays import IntArray
 from ..model.body_tree import anchors
 from ..model.scene import Scene
 from ..pairs.pair import Pair
-from ..pairs.pair_factory import Pairing
+from ..pairs.pair_factory import PairFactory
 from .box_grid import BoxGrid
 from .windows import Due, Sweeps, Windows, WindowSource
 
@@ -90,7 +90,7 @@ class BroadPhase(Iterator[Tick]):
         self._due[tick].append((start, body))
 
 
-def near_at_start(pairing: Pairing) -> tuple[Pair, ...]:
+def near_at_start(pairing: PairFactory) -> tuple[Pair, ...]:
     """Return the pairs that may touch when the first bodies are there."""
     first = next(BroadPhase(pairing.scene, Sweeps(pairing)))
     return tuple(pair for a, b in first.meeting.tolist() if (pair := pairing.pair(a, b)) is not None)

@@ -10,7 +10,7 @@ import numpy as np
 from ..geometry.arrays import FloatArray
 from ..geometry.rounding import RELATIVE_ROUNDING
 from ..geometry.vector import Vector
-from ..kinematics.chain import Chain, Moment
+from ..kinematics.chain import Chain, ChainState
 from ..kinematics.relative_motion import ROUNDING
 from ..model.extent import Extent
 from ..motions import Interval
@@ -80,21 +80,21 @@ class SweptBody:
 
     def sweep(self, start: float) -> Sweep:
         """Return the body's window from `start` (s) on, within its existence and up to its next jump."""
-        moment = self._centre.at(start)
-        end, moved = self._window(moment, start)
+        state = self._centre.at(start)
+        end, moved = self._window(state, start)
         renewed = inf
         if end < self.end:
             after = nextafter(end, inf)
             renewed = after if self._centre.stop_after(end) == after else end
         reach = (self._radius + self._grown(start) + moved) * (1.0 + RELATIVE_ROUNDING) + self.error
         if self._chain is None:
-            return Sweep(start, end, renewed, moment.centre, reach, None, 0.0)
+            return Sweep(start, end, renewed, state.centre, reach, None, 0.0)
         whole = self._chain.at(start)
         turned = Turned(whole.centre, self._half, whole.pose[:3, :3])
         away = self._chain.displacement(whole, end - start) + RELATIVE_ROUNDING * self._radius
-        return Sweep(start, end, renewed, moment.centre, reach, turned, away * (1.0 + RELATIVE_ROUNDING) + self.error)
+        return Sweep(start, end, renewed, state.centre, reach, turned, away * (1.0 + RELATIVE_ROUNDING) + self.error)
 
-    def _window(self, moment: Moment, start: float) -> tuple[float, float]:
+    def _window(self, state: ChainState, start: float) -> tuple[float, float]:
         """Return until when (s) to keep a box made at `start`, the moment, and how far (m) its middle gets until then.
 
         Windows end on rungs of a ladder, halves of halves of the run's time, so that many bodies' end together.
@@ -105,7 +105,7 @@ class SweptBody:
         latest = min(jump, self.end)
         while True:
             end = min(self._rung_after(start), latest)
-            moved = self._centre.displacement(moment, end - start) + self._grown(end) - self._grown(start)
+            moved = self._centre.displacement(state, end - start) + self._grown(end) - self._grown(start)
             if moved <= WORTH * self._radius or self._level >= FINEST_LEVEL:
                 break
             self._level += 1

@@ -16,7 +16,7 @@ _FIELDS = 9
 _LOW, _HIGH = slice(3, 6), slice(6, 9)
 
 
-class History:
+class WindowHistory:
     """All windows that have begun, by body: start, end, guard, and the corners of the box."""
 
     def __init__(self, bodies: int) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..geometry.arrays import FloatArray, IntArray
 from ..model.share import WHOLE, Share
-from ..pairs.pair_factory import Pairing
+from ..pairs.pair_factory import PairFactory
 from .swept_body import Sweep, SweptBody
 
 Due = list[tuple[float, int]]
@@ -62,7 +62,7 @@ class WindowSource(Protocol):
 class Sweeps:
     """Makes windows as they are asked for."""
 
-    def __init__(self, pairing: Pairing, share: Share = WHOLE) -> None:
+    def __init__(self, pairing: PairFactory, share: Share = WHOLE) -> None:
         """Take the bodies of a scene with shapes that exist within its time, or a share of them."""
         scene, self._bodies = pairing.scene, dict[int, SweptBody]()
         for body, extent in pairing.sides.extents.items():
@@ -121,7 +121,7 @@ class ToldWindows:
         return self._windows.taken(np.array(rows))
 
 
-def _guards(pairing: Pairing, bodies: dict[int, SweptBody]) -> FloatArray:
+def _guards(pairing: PairFactory, bodies: dict[int, SweptBody]) -> FloatArray:
     """Return by how much (n,) m each body's boxes are widened where they are held against others.
 
     Two of them are no less than the pair's margin and twice its error: what they clear is measured to be clear.

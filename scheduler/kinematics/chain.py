@@ -13,11 +13,11 @@ import numpy as np
 from ..geometry.arrays import FloatArray
 from ..geometry.transform import crossed, mapped, translation_of, turned
 from ..geometry.vector import ZERO, Vector, add, cross, distance_to_line, dot, norm, scale, subtract
-from ..model.body_tree import lineage
+from ..model.body_tree import ancestors
 from ..model.extent import Ball, Extent
 from ..model.scene import Body
-from ..motions import Axis, Fixed, Interval, Limits, Motion, Rates, Reach
-from ..motions.acceleration_set import STILL, Spread, across, ball, shared
+from ..motions import Axis, Fixed, Interval, LeverArms, Limits, Motion, Rates
+from ..motions.acceleration_set import STILL, AccelerationSet, across, ball, shared
 
 _WORLD: FloatArray = np.eye(4)
 _AT_REST = Rates(0.0, STILL, 0.0, 0.0)
@@ -72,7 +72,7 @@ class Joint:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Moment:
+class ChainState:
     """A chain at one time.
 
     Attributes:
@@ -86,7 +86,7 @@ class Moment:
     time: float
     pose: FloatArray
     centre: Vector
-    reaches: tuple[Reach, ...]
+    reaches: tuple[LeverArms, ...]
     frames: tuple[FloatArray, ...]
     twist: Twist
 
@@ -103,22 +103,22 @@ class Chain:
         self.tail = tail
         self._rests = [_plain(joint.rest) for joint in joints]
         self._end = _plain(tail)
-        self._moment: Moment | None = None  # told last; and what was told last of rates
-        self._rates: tuple[Moment, float, Rates] | None = None
+        self._moment: ChainState | None = None  # told last; and what was told last of rates
+        self._rates: tuple[ChainState, float, Rates] | None = None
         self.ball = extent.ball
         self.extent = extent
         self._last_centre = mapped(tail, extent.ball.centre)
         self._last_reach = _exact_reach(joints[-1].motion.axis, tail, extent) if joints else None
 
-    def at(self, t: float) -> Moment:
+    def at(self, t: float) -> ChainState:
         """Return the chain's pose and reaches at t; those asked for last are kept, for other pairs of the body."""
         if self._moment is None or self._moment.time != t:
             self._moment = self._placed(t) if self.joints else self._still
         return self._moment
 
-    def _placed(self, t: float) -> Moment:
+    def _placed(self, t: float) -> ChainState:
         placed = [_joined(rest, joint.motion.pose(t)) for rest, joint in zip(self._rests, self.joints, strict=True)]
-        reaches: list[Reach] = []
+        reaches: list[LeverArms] = []
         centre = self._last_centre
         for joint, pose in zip(reversed(self.joints), reversed(placed), strict=True):
             reaches.append(_ball_reach(joint.motion.axis, centre, self.ball.radius) if reaches else self._own_reach)
@@ -130,57 +130,57 @@ class Chain:
             twist = _carried(twist, above, pose, frames[-1], joint.motion.velocities(t))
             above = _joined(above, pose)
         twist = twist._replace(origin=translation_of(above))
-        return Moment(t, _joined(above, self._end), centre, tuple(reversed(reaches)), tuple(frames), twist)
+        return ChainState(t, _joined(above, self._end), centre, tuple(reversed(reaches)), tuple(frames), twist)
 
-    def displacement(self, moment: Moment, duration: float) -> float:
+    def displacement(self, state: ChainState, duration: float) -> float:
         """Return D >= |x(t + s) - x(t)| (m) of every point of the body in the ancestor's frame, 0 <= s <= duration.
 
         Exact telescoping over the joints, each with the reach of the points while everything below is frozen.
         """
         total = 0.0
-        for joint, reach in zip(self.joints, moment.reaches, strict=True):
-            total += joint.motion.displacement(moment.time, duration, reach)
+        for joint, reach in zip(self.joints, state.reaches, strict=True):
+            total += joint.motion.displacement(state.time, duration, reach)
         return total
 
-    def path_length(self, moment: Moment, duration: float) -> float:
+    def path_length(self, state: ChainState, duration: float) -> float:
         """Return L >= the arc length (m) of any point of the body in the ancestor's frame over [t, t + duration].
 
         The speed that a joint gives a point depends on where the joints below have carried it by then: the reach of
         each joint grows by their displacement.
         """
         total = below = 0.0
-        for joint, reach in zip(reversed(self.joints), reversed(moment.reaches), strict=True):
-            grown = Reach(reach.radius + below, reach.axis_radius + below)
-            total += joint.motion.path_length(moment.time, duration, grown)
-            below += joint.motion.displacement(moment.time, duration, reach)
+        for joint, reach in zip(reversed(self.joints), reversed(state.reaches), strict=True):
+            grown = LeverArms(reach.radius + below, reach.axis_radius + below)
+            total += joint.motion.path_length(state.time, duration, grown)
+            below += joint.motion.displacement(state.time, duration, reach)
         return total
 
-    def rates(self, moment: Moment, duration: float) -> Rates:
+    def rates(self, state: ChainState, duration: float) -> Rates:
         """Return suprema over [t, t + duration] of the last moved frame's rates in the ancestor's frame.
 
         Those asked for last are kept.
         """
-        if self._rates is None or self._rates[0] is not moment or self._rates[1] != duration:
-            self._rates = moment, duration, self._rates_of(moment, duration)
+        if self._rates is None or self._rates[0] is not state or self._rates[1] != duration:
+            self._rates = state, duration, self._rates_of(state, duration)
         return self._rates[2]
 
-    def _rates_of(self, moment: Moment, duration: float) -> Rates:
+    def _rates_of(self, state: ChainState, duration: float) -> Rates:
         """Return the rates, composed from the outermost joint on.
 
         Row 'chain, speeds': V = V_P + W_P L + V', A = A_P + (al_P + W_P^2) L + 2 W_P V' + A', and so on, L the
         farthest that the child's origin gets from its parent's. Where nothing above turns, directions stay as they are;
         where all that turns above does so about one axis, what is added by turning lies across it.
         """
-        first = _in_frame(self.joints[0], moment.frames[0], moment.time, duration) if self.joints else _AT_REST
+        first = _in_frame(self.joints[0], state.frames[0], state.time, duration) if self.joints else _AT_REST
         speed, varying, spin, spin_up, steady, axis = first
-        for joint, frame in zip(self.joints[1:], moment.frames[1:], strict=True):
-            rates = _in_frame(joint, frame, moment.time, duration)
+        for joint, frame in zip(self.joints[1:], state.frames[1:], strict=True):
+            rates = _in_frame(joint, frame, state.time, duration)
             if spin == 0.0:
                 speed, axis = speed + rates.speed, rates.axis
                 steady, varying = add(steady, rates.steady), varying.plus(rates.varying)
             else:
-                arm = norm(translation_of(joint.rest @ joint.motion.pose(moment.time)))
-                arm += joint.motion.displacement(moment.time, duration, origin_reach(joint.motion))
+                arm = norm(translation_of(joint.rest @ joint.motion.pose(state.time)))
+                arm += joint.motion.displacement(state.time, duration, origin_reach(joint.motion))
                 by_turning = (spin_up + spin**2) * arm + 2.0 * spin * rates.speed
                 along, rest = _turned_with(axis, rates.steady, rates.varying)
                 speed += spin * arm + rates.speed
@@ -240,13 +240,13 @@ class Chain:
         return 8.0 * float(np.finfo(float).eps) * (size + reach)
 
     @property
-    def _own_reach(self) -> Reach:
+    def _own_reach(self) -> LeverArms:
         assert self._last_reach is not None
         return self._last_reach
 
     @cached_property
-    def _still(self) -> Moment:
-        return Moment(0.0, self.tail, self._last_centre, (), (), _STILL)
+    def _still(self) -> ChainState:
+        return ChainState(0.0, self.tail, self._last_centre, (), (), _STILL)
 
 
 def _plain(pose: FloatArray) -> FloatArray:
@@ -292,18 +292,18 @@ def _in_frame(joint: Joint, frame: FloatArray, t: float, duration: float) -> Rat
     return rates._replace(varying=rates.varying.turned(frame), steady=turned(frame, rates.steady), axis=axis)
 
 
-def _turned_with(axis: Vector | None, steady: Vector, varying: Spread) -> tuple[Vector, Spread]:
+def _turned_with(axis: Vector | None, steady: Vector, varying: AccelerationSet) -> tuple[Vector, AccelerationSet]:
     """Return what stays steady of a frame's vectors while it turns about an axis (None: any), and where the rest is."""
     if axis is None:
-        return ZERO, ball(norm(steady) + varying.size)
+        return ZERO, ball(norm(steady) + varying.norm_bound)
     along = scale(dot(axis, steady), axis)
-    return along, varying.turning(axis).plus(across(axis, norm(subtract(steady, along))))
+    return along, varying.swept_about(axis).plus(across(axis, norm(subtract(steady, along))))
 
 
-def origin_reach(motion: Motion) -> Reach:
+def origin_reach(motion: Motion) -> LeverArms:
     """Return the reach of the moved frame's origin alone."""
     axis = motion.axis
-    return Reach(0.0, 0.0 if axis is None else distance_to_line(ZERO, axis.point, axis.direction))
+    return LeverArms(0.0, 0.0 if axis is None else distance_to_line(ZERO, axis.point, axis.direction))
 
 
 def chain_to(bodies: tuple[Body, ...], body: int, ancestor: int | None, extent: Extent) -> Chain:
@@ -313,7 +313,7 @@ def chain_to(bodies: tuple[Body, ...], body: int, ancestor: int | None, extent: 
     """
     joints: list[Joint] = []
     fixed = np.eye(4)
-    line = lineage(bodies, body)
+    line = ancestors(bodies, body)
     stretch = line if ancestor is None else line[: line.index(ancestor)]
     terms: list[float] = []
     for index in reversed(stretch):
@@ -325,19 +325,19 @@ def chain_to(bodies: tuple[Body, ...], body: int, ancestor: int | None, extent: 
     return Chain(tuple(joints), fixed, extent, tuple(terms))
 
 
-def _exact_reach(axis: Axis | None, tail: FloatArray, extent: Extent) -> Reach:
+def _exact_reach(axis: Axis | None, tail: FloatArray, extent: Extent) -> LeverArms:
     """Return the reach of the body's own points in the last moved frame."""
     points = extent.points @ tail[:3, :3].T + tail[:3, 3]
     radius = float(np.max(np.linalg.norm(points, axis=1) + extent.radii))
     if axis is None:
-        return Reach(radius, radius)
+        return LeverArms(radius, radius)
     arms = crossed(points - np.array(axis.point), np.array(axis.direction))
-    return Reach(radius, float(np.max(np.linalg.norm(arms, axis=1) + extent.radii)))
+    return LeverArms(radius, float(np.max(np.linalg.norm(arms, axis=1) + extent.radii)))
 
 
-def _ball_reach(axis: Axis | None, centre: Vector, radius: float) -> Reach:
+def _ball_reach(axis: Axis | None, centre: Vector, radius: float) -> LeverArms:
     """Return the reach of a ball."""
     farthest = norm(centre) + radius
     if axis is None:
-        return Reach(farthest, farthest)
-    return Reach(farthest, distance_to_line(centre, axis.point, axis.direction) + radius)
+        return LeverArms(farthest, farthest)
+    return LeverArms(farthest, distance_to_line(centre, axis.point, axis.direction) + radius)

@@ -10,8 +10,8 @@ from typing import NamedTuple
 from ..geometry.rounding import RELATIVE_ROUNDING, shortened
 from ..geometry.vector import Vector, norm, subtract
 from ..motions import Interval, Limits
-from ..motions.acceleration_set import Spread, across, ball
-from .chain import Chain, Moment, Part
+from ..motions.acceleration_set import AccelerationSet, across, ball
+from .chain import Chain, ChainState, Part
 
 #: Relative to the two speeds, what their difference may lose to rounding.
 CANCELLATION = 1e-13
@@ -20,15 +20,15 @@ ROUNDING = 1e-14
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Moments:
+class PairState:
     """Both chains of a pair at one time, s."""
 
     time: float
-    a: Moment
-    b: Moment
+    a: ChainState
+    b: ChainState
 
 
-class Approach(NamedTuple):
+class RelativeRates(NamedTuple):
     """The lecture's v and a of a pair: over ALL pairs of points, v (m/s) now and a (m/s^2) until the horizon (s).
 
     Attributes:
@@ -40,7 +40,7 @@ class Approach(NamedTuple):
     acceleration: float
     horizon: float
     steady: Vector
-    varying: Spread
+    varying: AccelerationSet
 
     def distance(self, duration: float) -> float:
         """Return the farthest (m) any point gets relative to any other within `duration`; inf past the horizon."""
@@ -76,9 +76,9 @@ class RelativeMotion:
         """The motion of the middles of both balls, whose displacement does not count how bodies turn about them."""
         return RelativeMotion(self.a.middle, self.b.middle, self.unknown)
 
-    def at(self, t: float) -> Moments:
+    def at(self, t: float) -> PairState:
         """Return both chains at t."""
-        return Moments(t, self.a.at(t), self.b.at(t))
+        return PairState(t, self.a.at(t), self.b.at(t))
 
     def spread(self, t: float) -> float:
         """Return by how much (m) balls have grown at t; 0 where both paths are known."""
@@ -93,27 +93,27 @@ class RelativeMotion:
         grown = ROUNDING * self.spread(times[1])
         return self.a.rounding(times) + self.b.rounding(times) + grown
 
-    def displacement(self, moments: Moments, duration: float) -> float:
+    def displacement(self, state: PairState, duration: float) -> float:
         """Return D_A + D_B (m), non-decreasing in `duration`."""
-        moved = self.a.displacement(moments.a, duration) + self.b.displacement(moments.b, duration)
-        return moved + self._growth(moments.time, duration)
+        moved = self.a.displacement(state.a, duration) + self.b.displacement(state.b, duration)
+        return moved + self._growth(state.time, duration)
 
-    def path_length(self, moments: Moments, duration: float) -> float:
+    def path_length(self, state: PairState, duration: float) -> float:
         """Return L_A + L_B (m), above the relative arc length of any two points over [t, t + duration]."""
-        moved = self.a.path_length(moments.a, duration) + self.b.path_length(moments.b, duration)
-        return moved + self._growth(moments.time, duration)
+        moved = self.a.path_length(state.a, duration) + self.b.path_length(state.b, duration)
+        return moved + self._growth(state.time, duration)
 
-    def approach(self, moments: Moments, duration: float, part: Part = Part.WHOLE) -> Approach:
+    def approach(self, state: PairState, duration: float, part: Part = Part.WHOLE) -> RelativeRates:
         """Return the lecture's v and a for a sleep of up to `duration`, no farther than the next knot.
 
         For the points of a part of each body.
         v = |v_oA - v_oB| + w_A r_A + w_B r_B and a = |a_oA - a_oB| + (al_A + w_A^2) r_A + (al_B + w_B^2) r_B,
         each body's radius about its own frame origin o; v holds at the start, a is the supremum until the horizon.
         """
-        t = moments.time
+        t = state.time
         horizon = self._horizon(t, duration)
-        rates_a, rates_b = self.a.rates(moments.a, horizon), self.b.rates(moments.b, horizon)
-        (_, v_a, w_a), (_, v_b, w_b) = moments.a.twist, moments.b.twist
+        rates_a, rates_b = self.a.rates(state.a, horizon), self.b.rates(state.b, horizon)
+        (_, v_a, w_a), (_, v_b, w_b) = state.a.twist, state.b.twist
         radius_a, radius_b = self.a.radius(part), self.b.radius(part)
         speed = norm(subtract(v_a, v_b)) + norm(w_a) * radius_a + norm(w_b) * radius_b
         steady = subtract(rates_a.steady, rates_b.steady)
@@ -122,14 +122,14 @@ class RelativeMotion:
             turning = (rates.angular_acceleration + rates.angular_speed**2) * radius
             varying = varying.plus(across(rates.axis, turning))
         speed += CANCELLATION * (norm(v_a) + norm(v_b)) + self.growth_speed(t)
-        lost = CANCELLATION * (norm(rates_a.steady) + norm(rates_b.steady) + varying.size)
+        lost = CANCELLATION * (norm(rates_a.steady) + norm(rates_b.steady) + varying.norm_bound)
         varying = varying.plus(ball(lost + sum(limits.acceleration_after(t) for limits in self.unknown)))
-        return Approach(speed, norm(steady) + varying.size, horizon, steady, varying)
+        return RelativeRates(speed, norm(steady) + varying.norm_bound, horizon, steady, varying)
 
-    def slack(self, moments: Moments) -> float:
+    def slack(self, state: PairState) -> float:
         """Return by how much (m/s) velocities may be wrong; balls that grow are wrong by how fast they do."""
-        slack = CANCELLATION * (self.a.fastest(moments.a.twist) + self.b.fastest(moments.b.twist))
-        return slack + self.growth_speed(moments.time)
+        slack = CANCELLATION * (self.a.fastest(state.a.twist) + self.b.fastest(state.b.twist))
+        return slack + self.growth_speed(state.time)
 
     def knot_after(self, t: float) -> float:
         """Return the first time > t at which a rate may jump (inf: none)."""
@@ -140,7 +140,7 @@ class RelativeMotion:
         knot = self.knot_after(t)
         return duration if knot - t > duration else min(duration, shortened(t, knot - t))
 
-    def crossing(self, moments: Moments, horizon: float, late: float) -> tuple[float, float]:
+    def crossing(self, state: PairState, horizon: float, late: float) -> tuple[float, float]:
         """Return the next knot (s), and above how far (m) any point gets up to it from where a look ahead ends.
 
         Args:
@@ -148,8 +148,8 @@ class RelativeMotion:
             horizon: s, how far it goes, just short of the knot.
             late: s, by how much less for certain.
         """
-        before = moments.time + max(0.0, horizon - late)
-        knot = self.knot_after(moments.time)
+        before = state.time + max(0.0, horizon - late)
+        knot = self.knot_after(state.time)
         return knot, self.displacement(self.at(before), knot - before) * (1.0 + RELATIVE_ROUNDING)
 
     def growth_speed(self, t: float) -> float:

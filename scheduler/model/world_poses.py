@@ -6,7 +6,7 @@ import numpy as np
 
 from ..geometry.arrays import FloatArray
 from ..motions import Ballistic, Fixed
-from .body_tree import lineage
+from .body_tree import ancestors
 from .scene import Body
 
 
@@ -27,7 +27,7 @@ class WorldPoses:
         self._velocities = np.array([flight.velocity for flight in flights if flight]).reshape(-1, 3)
         self._accelerations = np.array([flight.acceleration for flight in flights if flight]).reshape(-1, 3)
         self._others = [motion for (_, motion), flight in zip(motions, flights, strict=True) if flight is None]
-        depths = np.array([len(lineage(bodies, index)) for index in range(len(bodies))], dtype=np.int64)
+        depths = np.array([len(ancestors(bodies, index)) for index in range(len(bodies))], dtype=np.int64)
         parents = np.array([-1 if body.parent is None else body.parent for body in bodies], dtype=np.int64)
         generations = [np.flatnonzero(depths == depth) for depth in range(2, int(depths.max(initial=1)) + 1)]
         self._generations = [(children, parents[children]) for children in generations]

@@ -6,11 +6,11 @@ from .harmonic import Harmonic, Swing
 from .key_interpolation import Translation
 from .keyframes import Keyframes
 from .looped import Looped
-from .motion import Axis, Fixed, Interval, Motion, Rates, Reach, Smooth
+from .motion import Axis, Fixed, Interval, LeverArms, Motion, Rates, Smooth
 from .orbit import Orbit
 from .polynomial import Polynomial
 from .screw import Screw
-from .trapezoid import Profile
+from .trapezoid import Trapezoid
 from .unknown_path import Limits
 
 __all__ = [
@@ -22,16 +22,16 @@ __all__ = [
     "Harmonic",
     "Interval",
     "Keyframes",
+    "LeverArms",
     "Limits",
     "Looped",
     "Motion",
     "Orbit",
     "Polynomial",
-    "Profile",
     "Rates",
-    "Reach",
     "Screw",
     "Smooth",
     "Swing",
     "Translation",
+    "Trapezoid",
 ]

@@ -14,7 +14,7 @@ from ..geometry.vector import Vector, add, cross, dot, norm, scale, subtract
 PARALLEL = 1e-14
 
 
-class Spread(NamedTuple):
+class AccelerationSet(NamedTuple):
     """The sum (Minkowski) of a ball, flat discs and segments, all about 0.
 
     Attributes:
@@ -28,21 +28,21 @@ class Spread(NamedTuple):
     lines: tuple[Vector, ...] = ()
 
     @property
-    def size(self) -> float:
+    def norm_bound(self) -> float:
         """Above the norm of every vector in it."""
         return self.ball + sum(radius for _, radius in self.discs) + sum(map(norm, self.lines))
 
-    def plus(self, other: Spread) -> Spread:
+    def plus(self, other: AccelerationSet) -> AccelerationSet:
         """Return the sum of two."""
-        return Spread(self.ball + other.ball, self.discs + other.discs, self.lines + other.lines)
+        return AccelerationSet(self.ball + other.ball, self.discs + other.discs, self.lines + other.lines)
 
-    def turned(self, frame: FloatArray) -> Spread:
+    def turned(self, frame: FloatArray) -> AccelerationSet:
         """Return it in the frame that `frame` (4x4) maps to."""
         discs = tuple((turned(frame, normal), radius) for normal, radius in self.discs)
-        return Spread(self.ball, discs, tuple(turned(frame, line) for line in self.lines))
+        return AccelerationSet(self.ball, discs, tuple(turned(frame, line) for line in self.lines))
 
-    def turning(self, axis: Vector) -> Spread:
-        """Return what holds it however it is turned about the unit vector `axis`."""
+    def swept_about(self, axis: Vector) -> AccelerationSet:
+        """Return a set that holds this one however it is turned about the unit vector `axis`."""
         along = across = 0.0
         for normal, radius in self.discs:
             along += radius * norm(cross(normal, axis))
@@ -50,19 +50,19 @@ class Spread(NamedTuple):
         for line in self.lines:
             along += abs(dot(line, axis))
             across += norm(subtract(line, scale(dot(line, axis), axis)))
-        return Spread(self.ball, ((axis, across),), (scale(along, axis),))
+        return AccelerationSet(self.ball, ((axis, across),), (scale(along, axis),))
 
-    def reach(self, direction: Vector) -> float:
-        """Return the farthest that it reaches along a unit vector."""
-        reach = self.ball
+    def support(self, direction: Vector) -> float:
+        """Return the support function: the largest product of a vector in it with a unit vector."""
+        most = self.ball
         for normal, radius in self.discs:
-            reach += radius * norm(cross(direction, normal))
+            most += radius * norm(cross(direction, normal))
         for line in self.lines:
-            reach += abs(dot(direction, line))
-        return reach
+            most += abs(dot(direction, line))
+        return most
 
-    def along(self, directions: FloatArray) -> FloatArray:
-        """Return the same along many (..., 3)."""
+    def supports(self, directions: FloatArray) -> FloatArray:
+        """Return the support function of many unit vectors (..., 3)."""
         farthest: FloatArray = np.full(directions.shape[:-1], self.ball)
         for normal, radius in self.discs:
             farthest += radius * np.linalg.norm(crossed(directions, np.array(normal)), axis=-1)
@@ -71,20 +71,20 @@ class Spread(NamedTuple):
         return farthest
 
 
-STILL = Spread()
+STILL = AccelerationSet()
 
 
-def ball(radius: float) -> Spread:
+def ball(radius: float) -> AccelerationSet:
     """Return a ball."""
-    return Spread(radius)
+    return AccelerationSet(radius)
 
 
-def disc(normal: Vector, radius: float) -> Spread:
+def disc(normal: Vector, radius: float) -> AccelerationSet:
     """Return a disc across the unit vector `normal`."""
-    return Spread(0.0, ((normal, radius),))
+    return AccelerationSet(0.0, ((normal, radius),))
 
 
-def across(axis: Vector | None, radius: float) -> Spread:
+def across(axis: Vector | None, radius: float) -> AccelerationSet:
     """Return the disc across an axis, the ball where there is none."""
     return ball(radius) if axis is None else disc(axis, radius)
 
@@ -96,6 +96,6 @@ def shared(one: Vector | None, other: Vector | None) -> Vector | None:
     return one
 
 
-def between(one: Vector, other: Vector) -> tuple[Vector, Spread]:
+def between(one: Vector, other: Vector) -> tuple[Vector, AccelerationSet]:
     """Return the middle of the segment between two vectors, and its spread."""
-    return scale(0.5, add(one, other)), Spread(0.0, (), (scale(0.5, subtract(other, one)),))
+    return scale(0.5, add(one, other)), AccelerationSet(0.0, (), (scale(0.5, subtract(other, one)),))

@@ -9,7 +9,7 @@ from ..geometry.arrays import FloatArray
 from ..geometry.transform import IDENTITY, chord, transform, turn
 from ..geometry.vector import ZERO, Vector, add, dot, norm, scale, subtract, unit
 from .acceleration_set import STILL
-from .motion import Axis, Interval, Rates, Reach, Smooth, farthest_from_zero
+from .motion import Axis, Interval, LeverArms, Rates, Smooth, farthest_from_zero
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +38,7 @@ class Ballistic(Smooth):
         spin = norm(self.angular_velocity)
         return transform(turn(unit(self.angular_velocity), spin * t), path)
 
-    def displacement(self, t: float, duration: float, reach: Reach) -> float:
+    def displacement(self, t: float, duration: float, reach: LeverArms) -> float:
         """Row 'ballistic' with the addition for a spin; without acceleration row 'constant velocity v + spin w'."""
         velocity, _ = self.velocities(t)
         swept = chord(norm(self.angular_velocity) * duration, reach.axis_radius)
@@ -47,7 +47,7 @@ class Ballistic(Smooth):
             return hypot(along * duration, across * duration + swept)
         return _ballistic_displacement(velocity, self.acceleration, duration) + swept
 
-    def path_length(self, t: float, duration: float, reach: Reach) -> float:
+    def path_length(self, t: float, duration: float, reach: LeverArms) -> float:
         """Speed is convex in t, so the trapezoid over its ends is above its integral."""
         spin = norm(self.angular_velocity) * reach.axis_radius
         if self.acceleration == ZERO:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..geometry.arrays import FloatArray
 from ..geometry.vector import Vector
-from .acceleration_set import Spread, ball, between
+from .acceleration_set import AccelerationSet, ball, between
 
 #: An interval is cut into half as many cells to as many, each with its own control points.
 CELLS = 16
@@ -66,7 +66,7 @@ class Arc(NamedTuple):
         points, _, _, rounding = self._control_points(duration)
         return sqrt(np.einsum("pd,pd->p", points, points).max()) + rounding
 
-    def spread(self, duration: float) -> tuple[Vector, Spread]:
+    def spread(self, duration: float) -> tuple[Vector, AccelerationSet]:
         """Return the middle of the values over 0 <= s <= duration, and where they lie about it.
 
         On a straight segment for degree 1, in a box around the control points for more.
@@ -81,7 +81,7 @@ class Arc(NamedTuple):
         low, high = points.min(axis=0), points.max(axis=0)
         x, y, z = (0.5 * (low + high)).tolist()
         u, v, w = (0.5 * (high - low)).tolist()
-        return (x, y, z), Spread(rounding, (), ((u, 0.0, 0.0), (0.0, v, 0.0), (0.0, 0.0, w)))
+        return (x, y, z), AccelerationSet(rounding, (), ((u, 0.0, 0.0), (0.0, v, 0.0), (0.0, 0.0, w)))
 
     def integral(self, duration: float) -> float:
         """Return an upper bound on the integral of the norm over [0, duration], non-decreasing in the duration.

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from ..geometry.arrays import FloatArray
 from ..geometry.vector import Vector
-from .motion import Axis, Interval, Motion, Rates, Reach, Smooth, farthest_from_zero
+from .motion import Axis, Interval, LeverArms, Motion, Rates, Smooth, farthest_from_zero
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,11 +34,11 @@ class Delayed(Smooth):
         """Return rest_from_moved, 4x4."""
         return self.motion.pose(t - self.delay)
 
-    def displacement(self, t: float, duration: float, reach: Reach) -> float:
+    def displacement(self, t: float, duration: float, reach: LeverArms) -> float:
         """Return the motion's bound at its own time."""
         return self.motion.displacement(t - self.delay, duration, reach)
 
-    def path_length(self, t: float, duration: float, reach: Reach) -> float:
+    def path_length(self, t: float, duration: float, reach: LeverArms) -> float:
         """Return the motion's bound at its own time."""
         return self.motion.path_length(t - self.delay, duration, reach)
 

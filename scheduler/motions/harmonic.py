@@ -9,7 +9,7 @@ from ..geometry.arrays import FloatArray
 from ..geometry.transform import IDENTITY, apply, chord, transform, turn, turned_about
 from ..geometry.vector import ZERO, Vector, cross, distance_to_line, norm, scale
 from .acceleration_set import between, disc
-from .motion import Axis, Interval, Rates, Reach, Smooth
+from .motion import Axis, Interval, LeverArms, Rates, Smooth
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,11 +31,11 @@ class Harmonic(Smooth):
         offset = self.amplitude * sin(_phase(self, t))
         return transform(IDENTITY, scale(offset, self.direction))
 
-    def displacement(self, t: float, duration: float, reach: Reach) -> float:
+    def displacement(self, t: float, duration: float, reach: LeverArms) -> float:
         """Row 'harmonic' (exact)."""
         return abs(self.amplitude) * _sine_departure(*_phases(self, t, duration))
 
-    def path_length(self, t: float, duration: float, reach: Reach) -> float:
+    def path_length(self, t: float, duration: float, reach: LeverArms) -> float:
         """The sine's total variation (exact)."""
         return abs(self.amplitude) * _sine_variation(*_phases(self, t, duration))
 
@@ -81,12 +81,12 @@ class Swing(Smooth):
         """Return rest_from_moved, 4x4."""
         return turned_about(self.axis_direction, self.point, self._angle(t), ZERO)
 
-    def displacement(self, t: float, duration: float, reach: Reach) -> float:
+    def displacement(self, t: float, duration: float, reach: LeverArms) -> float:
         """Row 'swing': the angle as the harmonic, the chord it subtends."""
         angle = abs(self.amplitude) * _sine_departure(*_phases(self, t, duration))
         return chord(angle, reach.axis_radius)
 
-    def path_length(self, t: float, duration: float, reach: Reach) -> float:
+    def path_length(self, t: float, duration: float, reach: LeverArms) -> float:
         """The angle's total variation times the radius (exact)."""
         angle = abs(self.amplitude) * _sine_variation(*_phases(self, t, duration))
         return angle * reach.axis_radius

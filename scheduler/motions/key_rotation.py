@@ -10,7 +10,7 @@ from ..geometry.vector import Vector, scale
 from .key_interval import RunningSum, Span
 
 
-class Turning:
+class KeyRotation:
     """Slerp between keys (without fallback to lerp), or steps; at rest after the last key.
 
     Attributes:

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..geometry.arrays import BoolArray, FloatArray
 from ..geometry.vector import ZERO, Vector, norm, subtract
-from .acceleration_set import STILL, Spread
+from .acceleration_set import STILL, AccelerationSet
 from .bernstein import EPSILON, Arc, cell_matrix
 from .key_interval import Boxes, RunningSum, Span
 
@@ -92,7 +92,7 @@ class Path:
             x, y, z = x * since + order * a, y * since + order * b, z * since + order * c
         return (x, y, z)
 
-    def rates(self, key: int, since: float, duration: float) -> tuple[float, Vector, Spread]:
+    def rates(self, key: int, since: float, duration: float) -> tuple[float, Vector, AccelerationSet]:
         """Return the supremum of speed from `since` s after a key, up to the next at most; and the acceleration there.
 
         That is what is steady of it, and where the rest may be.

@@ -14,9 +14,9 @@ from ..geometry.vector import ZERO, Vector, norm, unit
 from .acceleration_set import STILL
 from .key_interpolation import Translation, path_between
 from .key_interval import Span, end_of
-from .key_rotation import Turning
+from .key_rotation import KeyRotation
 from .key_translation import Path
-from .motion import Axis, Interval, Rates, Reach
+from .motion import Axis, Interval, LeverArms, Rates
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,14 +39,14 @@ class Keyframes:
     step_rotation: bool
     key_velocities: FloatArray | None = None
     path: Path = field(init=False, repr=False)
-    turning: Turning = field(init=False, repr=False)
+    turning: KeyRotation = field(init=False, repr=False)
     _knots: tuple[float, ...] = field(init=False, repr=False)
     _jumps: tuple[float, ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         """Derive what the bounds look up."""
         path = path_between(self.times, self.translations, self.translation, self.key_velocities)
-        turning = Turning(self.quaternions, np.diff(self.times), self.step_rotation)
+        turning = KeyRotation(self.quaternions, np.diff(self.times), self.step_rotation)
         derived = {
             "path": path,
             "turning": turning,
@@ -66,7 +66,7 @@ class Keyframes:
         key, since = self.segment(t)
         return transform(self.turning.rotation(key, since), self.path.position(key, since))
 
-    def displacement(self, t: float, duration: float, reach: Reach) -> float:
+    def displacement(self, t: float, duration: float, reach: LeverArms) -> float:
         """Row 'polynomial, Hermite', or the farthest corner of the boxes around whole segments, or the path gone.
 
         And row 'any rotation of bounded rate', about the point.
@@ -74,7 +74,7 @@ class Keyframes:
         span = self.span(t, end_of(t, duration))
         return self.path.displacement(span) + chord(self.turning.angle(span), reach.radius)
 
-    def path_length(self, t: float, duration: float, reach: Reach) -> float:
+    def path_length(self, t: float, duration: float, reach: LeverArms) -> float:
         """Return the path of the origin plus the arc about it."""
         span = self.span(t, end_of(t, duration))
         return self.path.length(span) + self.turning.angle(span) * reach.radius

@@ -13,7 +13,7 @@ from ..geometry.vector import Vector
 from .bernstein import EPSILON
 from .key_interval import end_of
 from .keyframes import Keyframes, stop_before
-from .motion import Axis, Interval, Rates, Reach, farthest_from_zero
+from .motion import Axis, Interval, LeverArms, Rates, farthest_from_zero
 
 #: The ends of a loop are the same where they differ by less than this many eps, of a turn and of the coordinates.
 SAME = 4.0
@@ -70,7 +70,7 @@ class Looped:
         """Return rest_from_moved, 4x4; at a jump the pose after it."""
         return self._own.pose(self._locate(t)[1])
 
-    def displacement(self, t: float, duration: float, reach: Reach) -> float:
+    def displacement(self, t: float, duration: float, reach: LeverArms) -> float:
         """Return the keys' bound within a loop.
 
         From loop to loop the least of the way gone, the longer way to either end of the loop (every pose lies on one of
@@ -90,7 +90,7 @@ class Looped:
         angle = min(angle, max(own.turning.angle(rest), own.turning.angle(before)))
         return moved + chord(angle, reach.radius)
 
-    def path_length(self, t: float, duration: float, reach: Reach) -> float:
+    def path_length(self, t: float, duration: float, reach: LeverArms) -> float:
         """Return the path of the origin plus the arc about it."""
         length, angle = self._travelled(*self._stretch(t, duration))
         return length + angle * reach.radius

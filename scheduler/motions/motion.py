@@ -1,8 +1,9 @@
 """Motions and their bounds: where a frame is at time t, and how far its points can get over an interval.
 
-Every bound here is an upper bound, in exact arithmetic, over ALL points within a `Reach`; `rounding_scale` says how far
-floating point may fall short. Rows of the table of bounds are named in the docstrings. SI units, radians; t in scene
-seconds; a motion acts in its rest frame (world_from_parent * pose), which its vectors are expressed in.
+Every bound here is an upper bound, in exact arithmetic, over ALL points within `LeverArms`; `rounding_scale` says how
+far floating point may fall short. Docstrings name rows of the table of motion bounds in docs/guarantees.md. SI units,
+radians; t in scene seconds. A motion acts in its rest frame (world_from_parent * pose), in which its vectors are
+expressed.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import NamedTuple, Protocol
 from ..geometry.arrays import FloatArray
 from ..geometry.transform import IDENTITY, transform
 from ..geometry.vector import ZERO, Vector
-from .acceleration_set import STILL, Spread
+from .acceleration_set import STILL, AccelerationSet
 
 Interval = tuple[float, float]
 """From and to, scene s."""
@@ -27,7 +28,7 @@ class Axis(NamedTuple):
     direction: Vector
 
 
-class Reach(NamedTuple):
+class LeverArms(NamedTuple):
     """Upper bounds (m) on how far a set of points, fixed in the moved frame, lies from its origin and from the axis."""
 
     radius: float
@@ -47,7 +48,7 @@ class Rates(NamedTuple):
     """
 
     speed: float
-    varying: Spread
+    varying: AccelerationSet
     angular_speed: float
     angular_acceleration: float
     steady: Vector = ZERO
@@ -56,7 +57,7 @@ class Rates(NamedTuple):
     @property
     def acceleration(self) -> float:
         """Above |a - steady|, m/s^2."""
-        return self.varying.size
+        return self.varying.norm_bound
 
 
 class Motion(Protocol):
@@ -71,14 +72,14 @@ class Motion(Protocol):
         """Return rest_from_moved at t, 4x4; at a jump the pose after it."""
         ...
 
-    def displacement(self, t: float, duration: float, reach: Reach) -> float:
+    def displacement(self, t: float, duration: float, reach: LeverArms) -> float:
         """Return D >= |x(t + s) - x(t)| (m) of every point in reach, 0 <= s <= duration; non-decreasing in duration.
 
         No jump may lie in (t, t + duration]. A jump at t + duration itself is left out.
         """
         ...
 
-    def path_length(self, t: float, duration: float, reach: Reach) -> float:
+    def path_length(self, t: float, duration: float, reach: LeverArms) -> float:
         """Return L >= the arc length (m) that any point in reach travels over [t, t + duration]; jumps left out."""
         ...
 
@@ -139,11 +140,11 @@ class Fixed(Smooth):
         """Return the identity."""
         return transform(IDENTITY, ZERO)
 
-    def displacement(self, t: float, duration: float, reach: Reach) -> float:
+    def displacement(self, t: float, duration: float, reach: LeverArms) -> float:
         """Return 0."""
         return 0.0
 
-    def path_length(self, t: float, duration: float, reach: Reach) -> float:
+    def path_length(self, t: float, duration: float, reach: LeverArms) -> float:
         """Return 0."""
         return 0.0
 

@@ -9,7 +9,7 @@ from ..geometry.arrays import FloatArray
 from ..geometry.transform import IDENTITY, chord, transform, turn
 from ..geometry.vector import ZERO, Vector, add, cross, scale
 from .acceleration_set import disc
-from .motion import Axis, Interval, Rates, Reach, Smooth, farthest_from_zero
+from .motion import Axis, Interval, LeverArms, Rates, Smooth, farthest_from_zero
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,11 +43,11 @@ class Orbit(Smooth):
         rows = turn(self.axis_direction, angle) if self.facing else IDENTITY
         return transform(rows, scale(self.radius, self._radial(angle)))
 
-    def displacement(self, t: float, duration: float, reach: Reach) -> float:
+    def displacement(self, t: float, duration: float, reach: LeverArms) -> float:
         """Row 'circular orbit' (exact)."""
         return chord(abs(self.rate) * duration, self._arm(reach))
 
-    def path_length(self, t: float, duration: float, reach: Reach) -> float:
+    def path_length(self, t: float, duration: float, reach: LeverArms) -> float:
         """The arc (exact)."""
         return abs(self.rate) * duration * self._arm(reach)
 
@@ -77,6 +77,6 @@ class Orbit(Smooth):
         """Return the unit vector from the rest origin to the body."""
         return add(scale(cos(angle), self.start), scale(sin(angle), cross(self.axis_direction, self.start)))
 
-    def _arm(self, reach: Reach) -> float:
+    def _arm(self, reach: LeverArms) -> float:
         """Return the radius (m) of the largest circle that any point runs on."""
         return reach.axis_radius if self.facing else abs(self.radius)

@@ -11,7 +11,7 @@ from ..geometry.transform import chord, transform, turn
 from ..geometry.vector import ZERO, Vector, add, norm, scale, unit
 from .acceleration_set import STILL, between
 from .bernstein import Arc
-from .motion import Axis, Interval, Rates, Reach, Smooth, farthest_from_zero
+from .motion import Axis, Interval, LeverArms, Rates, Smooth, farthest_from_zero
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,7 @@ class Polynomial(Smooth):
         spin = norm(self.angular_velocity)
         return transform(turn(unit(self.angular_velocity), spin * t), self._place(t))
 
-    def displacement(self, t: float, duration: float, reach: Reach) -> float:
+    def displacement(self, t: float, duration: float, reach: LeverArms) -> float:
         """Row 'polynomial' with the addition for a spin."""
         swept = chord(norm(self.angular_velocity) * duration, reach.axis_radius)
         way, before, after = self._local(t)[0], *_either_side(t, duration)
@@ -54,7 +54,7 @@ class Polynomial(Smooth):
         rest = self._arc.away_from(place, self.extent((t, 0.0))).supremum(after)
         return max(way.supremum(before), rest) + swept
 
-    def path_length(self, t: float, duration: float, reach: Reach) -> float:
+    def path_length(self, t: float, duration: float, reach: LeverArms) -> float:
         """Row 'polynomial': the control points of the velocity, their norms' mean; and the spin's arc."""
         swept = norm(self.angular_velocity) * duration * reach.axis_radius
         before, after = _either_side(t, duration)

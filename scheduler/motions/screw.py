@@ -9,7 +9,7 @@ from ..geometry.arrays import FloatArray
 from ..geometry.transform import apply, chord, turn, turned_about
 from ..geometry.vector import ZERO, Vector, add, cross, distance_to_line, norm, scale
 from .acceleration_set import disc
-from .motion import Axis, Interval, Rates, Reach, Smooth, farthest_from_zero
+from .motion import Axis, Interval, LeverArms, Rates, Smooth, farthest_from_zero
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,11 +32,11 @@ class Screw(Smooth):
         advance = scale(self.pitch * angle / (2.0 * pi), self.axis_direction)
         return turned_about(self.axis_direction, self.point, angle, advance)
 
-    def displacement(self, t: float, duration: float, reach: Reach) -> float:
+    def displacement(self, t: float, duration: float, reach: LeverArms) -> float:
         """Row 'screw'."""
         return hypot(self._advance_rate * duration, chord(abs(self.rate) * duration, reach.axis_radius))
 
-    def path_length(self, t: float, duration: float, reach: Reach) -> float:
+    def path_length(self, t: float, duration: float, reach: LeverArms) -> float:
         """Row 'screw': the speed is w sqrt(h^2 + rho^2), exactly."""
         return hypot(self._advance_rate, self.rate * reach.axis_radius) * duration
 

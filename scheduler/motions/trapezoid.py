@@ -12,11 +12,11 @@ from ..geometry.transform import IDENTITY, apply, chord, transform, turn, turned
 from ..geometry.vector import ZERO, Vector, cross, distance_to_line, norm, scale
 from .acceleration_set import STILL, disc
 from .key_interval import end_of
-from .motion import Axis, Interval, Rates, Reach
+from .motion import Axis, Interval, LeverArms, Rates
 
 
 @dataclass(frozen=True, slots=True)
-class Profile:
+class Trapezoid:
     """Slide along, or turn about, an axis from `begin` to `end` by a trapezoid (a triangle where it is too short).
 
     The speed rises from the first knot to the second, stays to the third and falls to the fourth. The knots are floats;
@@ -69,12 +69,12 @@ class Profile:
             return turned_about(self.axis_direction, self.point, self._value(t), ZERO)
         return transform(IDENTITY, scale(self._value(t), self.axis_direction))
 
-    def displacement(self, t: float, duration: float, reach: Reach) -> float:
+    def displacement(self, t: float, duration: float, reach: LeverArms) -> float:
         """Row 'trapezoidal profile': it never turns back, so the length travelled, or its chord (exact)."""
         travelled = self._travelled(t, duration)
         return chord(travelled, reach.axis_radius) if self.turns else travelled
 
-    def path_length(self, t: float, duration: float, reach: Reach) -> float:
+    def path_length(self, t: float, duration: float, reach: LeverArms) -> float:
         """Return the length travelled, or its arc (exact)."""
         travelled = self._travelled(t, duration)
         return travelled * reach.axis_radius if self.turns else travelled

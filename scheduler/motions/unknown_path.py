@@ -9,7 +9,7 @@ from ..geometry.arrays import FloatArray
 from ..geometry.transform import IDENTITY, transform
 from ..geometry.vector import ZERO, Vector
 from .acceleration_set import ball
-from .motion import Axis, Interval, Rates, Reach, Smooth
+from .motion import Axis, Interval, LeverArms, Rates, Smooth
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,11 +73,11 @@ class Limits(Smooth):
         """Return when the origin may begin to move, for t before."""
         return self.begin if t < self.begin else inf
 
-    def displacement(self, t: float, duration: float, reach: Reach) -> float:
+    def displacement(self, t: float, duration: float, reach: LeverArms) -> float:
         """Return inf: nothing is known of any point from one time to another."""
         return inf
 
-    def path_length(self, t: float, duration: float, reach: Reach) -> float:
+    def path_length(self, t: float, duration: float, reach: LeverArms) -> float:
         """Return inf."""
         return inf
 

@@ -19,7 +19,7 @@ class Rounded(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Proximity:
+class ClosestPoints:
     """How near two bodies' surfaces are.
 
     Attributes:
@@ -35,7 +35,7 @@ class Proximity:
     feature_b: Callable[[], Feature]
 
     @staticmethod
-    def of_rounded(one: Rounded, other: Rounded) -> Proximity:
+    def of_rounded(one: Rounded, other: Rounded) -> ClosestPoints:
         """Return the proximity of two shapes whose cores' nearest points these are.
 
         Shapes that overlap meet half-way between their surfaces, in a point of the segment between the cores: it lies
@@ -48,14 +48,14 @@ class Proximity:
         if gap > 0.0:
             on_a = add(one.point, scale(one.radius, direction))
             on_b = subtract(other.point, scale(other.radius, direction))
-            return Proximity(gap, on_a, on_b, one.feature, other.feature)
+            return ClosestPoints(gap, on_a, on_b, one.feature, other.feature)
         middle = 0.5 * (length + one.radius - other.radius)
         met = add(one.point, scale(min(length, max(0.0, middle)), direction))
-        return Proximity(0.0, met, met, one.feature, other.feature)
+        return ClosestPoints(0.0, met, met, one.feature, other.feature)
 
-    def moved(self, offset: Vector) -> Proximity:
+    def moved(self, offset: Vector) -> ClosestPoints:
         """Return the same, seen from a frame whose origin lies at minus `offset` (m)."""
-        return Proximity(
+        return ClosestPoints(
             self.distance,
             add(self.witness_a, offset),
             add(self.witness_b, offset),

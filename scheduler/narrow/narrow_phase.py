@@ -18,7 +18,7 @@ from ..geometry.transform import mapped, translation_of
 from ..geometry.vector import Vector, add, norm, scale, subtract
 from ..model.events import Feature
 from ..model.scene import Body, Mesh, Shape
-from .closest_points import Proximity
+from .closest_points import ClosestPoints
 from .fcl_shape import Model, PlacedShape, cores_between, distance_from_point, meeting_triangles
 from .slivers import EPSILON
 from .triangle import meeting_point
@@ -63,10 +63,10 @@ class NarrowPhase:
         parts = self._bodies[body]
         return len(parts) == 1 and parts[0].is_point
 
-    def nearest(self, a: int, b: int, pose_a: FloatArray, pose_b: FloatArray) -> Proximity:
+    def nearest(self, a: int, b: int, pose_a: FloatArray, pose_b: FloatArray) -> ClosestPoints:
         """Return how near the surfaces of the bodies a and b are, placed by poses (4x4) of one common frame."""
         self._place(a, b, pose_a, pose_b)
-        best: Proximity | None = None
+        best: ClosestPoints | None = None
         for gap, one, other in self._by_gap(a, b):
             if best is not None and gap >= best.distance:
                 break
@@ -125,7 +125,13 @@ class NarrowPhase:
         return np.array(one.corners(features[0].triangle)), np.array(other.corners(features[1].triangle))
 
     def excess(
-        self, a: int, b: int, pose_a: FloatArray, pose_b: FloatArray, near: Proximity, features: tuple[Feature, Feature]
+        self,
+        a: int,
+        b: int,
+        pose_a: FloatArray,
+        pose_b: FloatArray,
+        near: ClosestPoints,
+        features: tuple[Feature, Feature],
     ) -> float:
         """Return how much farther apart (m) two bodies are at most than what was measured of them at these poses.
 
@@ -158,7 +164,7 @@ class NarrowPhase:
                 deepest = max(deepest, self._depth(one, other), self._depth(other, one))
         return deepest
 
-    def inner_radius(self, body: int, middle: Vector) -> float:
+    def inscribed_radius(self, body: int, middle: Vector) -> float:
         """Return the radius (m) of a ball about a point (m) of a body's frame that one of its shapes holds.
 
         The greatest of a solid; of what is rounded, as far as corners and middles of edges tell. Errs low, 0 if none.
@@ -184,7 +190,7 @@ class NarrowPhase:
         parts = self._bodies[body]
         return DISTANCE_ERROR * max(part.extent for part in parts) + max(part.model.error for part in parts)
 
-    def _measure(self, one: PlacedShape, other: PlacedShape) -> Proximity:
+    def _measure(self, one: PlacedShape, other: PlacedShape) -> ClosestPoints:
         """Measure two placed shapes: first whether they meet, which is cheap, then how far apart they are."""
         if one.crisp and other.crisp:
             meeting = self._timed(lambda: meeting_triangles(one, other))
@@ -193,7 +199,7 @@ class NarrowPhase:
         cores = self._cores(one, other)
         if cores.distance <= 0.0:
             return _meeting(one, other, cores.triangle_a, cores.triangle_b)
-        return Proximity.of_rounded(
+        return ClosestPoints.of_rounded(
             one.rounded(cores.triangle_a, cores.witness_a), other.rounded(cores.triangle_b, cores.witness_b)
         )
 
@@ -236,8 +242,8 @@ class NarrowPhase:
         return sorted(pairs, key=lambda pair: (pair[0], pair[1].index, pair[2].index))
 
 
-def _meeting(one: PlacedShape, other: PlacedShape, first: int, second: int) -> Proximity:
+def _meeting(one: PlacedShape, other: PlacedShape, first: int, second: int) -> ClosestPoints:
     """Return the touch of two triangles that meet."""
     point = meeting_point(one.corners(first), other.corners(second))
     feature_a, feature_b = one.rounded(first, point).feature, other.rounded(second, point).feature
-    return Proximity(0.0, point, point, feature_a, feature_b)
+    return ClosestPoints(0.0, point, point, feature_a, feature_b)

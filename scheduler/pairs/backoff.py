@@ -6,7 +6,7 @@ from __future__ import annotations
 MOST_PASSED = 7
 
 
-class Attempts:
+class Backoff:
     """Chances to try something, most of which pass after it has failed some times."""
 
     def __init__(self) -> None:

@@ -6,7 +6,7 @@ from functools import cached_property
 from math import inf
 
 from ..bounds import motion_bound
-from ..bounds.inscribed_spheres import InnerBalls
+from ..bounds.inscribed_spheres import InscribedSpheres
 from ..geometry.rounding import shortened
 from ..model.events import Bound
 from .pair import Measurement, Pair
@@ -19,7 +19,7 @@ STEPS_ENOUGH = 16.0
 STEPS_AHEAD = 64.0
 
 
-class Hold:
+class ContactSleep:
     """The certain duration of a pair's contacts; asked at each wakeup in contact, in order of time."""
 
     def __init__(self, pair: Pair, time_resolution: float) -> None:
@@ -48,12 +48,12 @@ class Hold:
         """Sleep while balls inside both bodies go on meeting."""
         if self._inner_balls is None:
             return 0.0, Bound.TIME_RESOLUTION
-        sleep = self._inner_balls.sleep(touching.moments, horizon, self._least)
+        sleep = self._inner_balls.sleep(touching.state, horizon, self._least)
         return (sleep if sleep >= horizon else shortened(touching.time, sleep)), Bound.DIRECTIONAL
 
     @cached_property
-    def _inner_balls(self) -> InnerBalls | None:
-        return None if self._pair.possible else self._pair.inner_balls()
+    def _inner_balls(self) -> InscribedSpheres | None:
+        return None if self._pair.possible else self._pair.inscribed_spheres()
 
     def _while_overlapping(self, touching: Measurement, horizon: float) -> tuple[float, Bound]:
         """Sleep while two triangles that meet go on meeting, by the way each corner goes or by how deep they meet."""
@@ -73,7 +73,7 @@ class Hold:
         """Sleep while the bodies cannot have got by `depth` (m) relative to each other."""
         if depth <= 0.0:
             return 0.0, Bound.TIME_RESOLUTION
-        return motion_bound.sleep(self._pair.motion, touching.moments, touching.time, depth, horizon)
+        return motion_bound.sleep(self._pair.motion, touching.state, touching.time, depth, horizon)
 
 
 def _longer(one: tuple[float, Bound], other: tuple[float, Bound]) -> tuple[float, Bound]:

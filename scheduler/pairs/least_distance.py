@@ -15,9 +15,9 @@ import numpy as np
 
 from ..model.events import Bound, Distance, Reason, Verdict, Wakeup
 from .pair import Measurement, Pair
-from .separation import Outlook
+from .separation import SeparationSleep
 from .span_record import Stretch
-from .tangent_search import Tangent, Valley
+from .tangent_search import Tangent, TangentSearch
 
 #: m: least distances are never known better than this.
 LEAST_TOLERANCE = 1e-6
@@ -156,7 +156,7 @@ class LeastDistance:
             measurement: exact, where to begin.
             early, late: s, between which to look.
         """
-        valley = Valley(early, late)
+        valley = TangentSearch(early, late)
         while self._left > 0:
             time = valley.next(Tangent.at(measurement), WORTH_A_STEP * (self.upper - self.target))
             if time is None:
@@ -185,7 +185,7 @@ class LeastDistance:
             ahead = stop - time
             sleep, bound = 0.0, Bound.NONE
             if time < end:
-                sleep, bound = Outlook(self._pair, measurement, keeps).sleep(ahead, self._floor)
+                sleep, bound = SeparationSleep(self._pair, measurement, keeps).sleep(ahead, self._floor)
             yield from self._told(measurement, bound, sleep)
             if time >= end:
                 return True

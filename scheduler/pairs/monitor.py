@@ -11,12 +11,12 @@ from ..bounds import motion_bound
 from ..bounds.motion_bound import Proof
 from ..model.events import Bound, Collision, ContactKind, Event, Phase, Reason, Verdict
 from ..model.scene import Settings
-from .contact import Hold
+from .contact import ContactSleep
 from .least_distance import LeastDistance
 from .pair import Measurement, Pair
-from .separation import Outlook
+from .separation import SeparationSleep
 from .span_record import Cleared, SpanRecord
-from .step_floor import Floor
+from .step_floor import StepFloor
 
 #: From its clear side a bracket is walked by the bounds, but in steps no smaller than this share of it.
 BRACKET_SHARE = 1.0 / 8.0
@@ -33,7 +33,7 @@ class Plan(NamedTuple):
     bound: Bound
 
 
-class Watch:
+class Monitor:
     """The state of one pair.
 
     Everything up to `known.time` is decided and told. `other`, if there is one, is a later measurement with another
@@ -51,13 +51,13 @@ class Watch:
         self._end = pair.end
         self.clearance = 0.0
         self._known: Measurement | None = None
-        self._outlook: Outlook | None = None
+        self._outlook: SeparationSleep | None = None
         self._other: Measurement | None = None
         latest = max(abs(pair.start), abs(pair.end))
         self._margin_tolerance = max(MARGIN_SHARE * settings.contact_tolerance, 8.0 * ulp(latest))
         tolerance = self._margin_tolerance if pair.margin > 0.0 else settings.contact_tolerance
-        self._floor = Floor(settings, tolerance, latest)
-        self._hold = Hold(pair, settings.time_resolution)
+        self._floor = StepFloor(settings, tolerance, latest)
+        self._hold = ContactSleep(pair, settings.time_resolution)
         resolution = settings.time_resolution
         self._spans = SpanRecord(pair.key, pair.start, pair.error, resolution, self._margin_tolerance)
         self._near = False  # whether bounding spheres have not cleared it so far that its least distance may stay loose
@@ -164,17 +164,17 @@ class Watch:
         left = known.margin - known.above
         lasting = 0.0, bound
         if left > 0.0:
-            lasting = motion_bound.sleep(self.pair.motion, known.moments, known.time, left, sleep)
+            lasting = motion_bound.sleep(self.pair.motion, known.state, known.time, left, sleep)
         return lasting if lasting[0] > least else (least, Bound.TIME_RESOLUTION)
 
     def _stand_at(self, measurement: Measurement) -> None:
         """Take a measurement as the last one known."""
         self._known = measurement
         seen = replace(measurement, proximity=None) if measurement.hidden else measurement  # no direction parts them
-        self._outlook = None if measurement.touching else Outlook(self.pair, seen, measurement.keeps)
+        self._outlook = None if measurement.touching else SeparationSleep(self.pair, seen, measurement.keeps)
 
     @property
-    def _ahead(self) -> Outlook:
+    def _ahead(self) -> SeparationSleep:
         assert self._outlook is not None
         return self._outlook
 
@@ -204,7 +204,7 @@ class Watch:
             return measurement, Verdict.CONTACT, 0.0, nan
         duration = measurement.time - known.time
         if self._jumps_between(known, measurement):  # each side speaks for itself
-            left = motion_bound.left(self.pair.motion, known.moments, known.clearance, duration)
+            left = motion_bound.left(self.pair.motion, known.state, known.clearance, duration)
             proof = Proof(min(left, measurement.clearance), 0.0)
             measurement = self.pair.look_inside(measurement)
         else:

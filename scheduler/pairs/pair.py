@@ -8,23 +8,23 @@ from math import inf
 
 import numpy as np
 
-from ..bounds.body_slab import Points, Slab
-from ..bounds.inscribed_spheres import InnerBalls
-from ..bounds.sphere_slabs import BallSlabs
-from ..bounds.triangle_overlap import Overlaps, proper
-from ..bounds.triangle_slabs import Slabs
+from ..bounds.body_slab import BodySlab, Points
+from ..bounds.inscribed_spheres import InscribedSpheres
+from ..bounds.sphere_slabs import SphereSlabs
+from ..bounds.triangle_overlap import TriangleOverlap, proper
+from ..bounds.triangle_slabs import TriangleSlabs
 from ..geometry.arrays import FloatArray
 from ..geometry.transform import mapped, translation_of
 from ..geometry.vector import Vector, norm, subtract, unit
 from ..kinematics.chain import Part, Twist
-from ..kinematics.relative_motion import Moments, RelativeMotion
-from ..model.body_tree import common_ancestor, lineage
+from ..kinematics.relative_motion import PairState, RelativeMotion
+from ..model.body_tree import ancestors, common_ancestor
 from ..model.events import Distance, Feature, FeatureKind, Level, PairKey, Verdict
 from ..model.scene import Scene
-from ..narrow.closest_points import Proximity, Rounded
+from ..narrow.closest_points import ClosestPoints, Rounded
 from ..narrow.narrow_phase import NarrowPhase
 from ..narrow.triangle_pairs import NearTriangles
-from .backoff import Attempts
+from .backoff import Backoff
 
 #: Bounding spheres settle a wakeup while their gap exceeds this share of the sum of their radii. Nearer, the exact
 #: distance buys a sleep that is worth its cost.
@@ -56,12 +56,12 @@ class Measurement:
     """
 
     time: float
-    moments: Moments
+    state: PairState
     level: Level
     clearance: float
     above: float
     margin: float
-    proximity: Proximity | None
+    proximity: ClosestPoints | None
     inside: Vector | None = None
     hidden: float = 0.0
 
@@ -117,7 +117,7 @@ class Pair:
         self.key = key
         self.motion = motion
         self.lookahead = FIRST_LOOKAHEAD
-        self.whole = Attempts()
+        self.whole = Backoff()
         self.possible = bool(motion.unknown)
         self.at_start = at_start
         self.margin = margin
@@ -134,12 +134,12 @@ class Pair:
 
     def measure_beyond(self, t: float, far: float) -> Measurement:
         """Measure the same, by bounding spheres where they are farther apart than `far` m."""
-        moments = self.motion.at(t)
-        centres = norm(subtract(moments.a.centre, moments.b.centre))
+        state = self.motion.at(t)
+        centres = norm(subtract(state.a.centre, state.b.centre))
         clearance = centres - self.motion.radii - self.motion.spread(t) - self.error
         if clearance > far and not self._round:
-            return Measurement(t, moments, Level.SPHERE, clearance, inf, self.margin, None)
-        return self._measured_exactly(t, moments)
+            return Measurement(t, state, Level.SPHERE, clearance, inf, self.margin, None)
+        return self._measured_exactly(t, state)
 
     def measure_exactly(self, t: float) -> Measurement:
         """Measure the same, but never by bounding spheres alone."""
@@ -149,33 +149,33 @@ class Pair:
         """Tell whether a clearance (m) by bounding spheres says enough of a pair."""
         return clearance - self.margin > SPHERES_SUFFICE * self.motion.radii
 
-    def _measured_exactly(self, t: float, moments: Moments) -> Measurement:
+    def _measured_exactly(self, t: float, state: PairState) -> Measurement:
         if self._round:
-            level, proximity = Level.SPHERE, self._between_spheres(moments)
+            level, proximity = Level.SPHERE, self._between_spheres(state)
         else:
             level = Level.MESH
-            proximity = self._narrow_phase.nearest(self._a, self._b, moments.a.pose, moments.b.pose)
+            proximity = self._narrow_phase.nearest(self._a, self._b, state.a.pose, state.b.pose)
         gap = proximity.distance - self.motion.spread(t)
         above = inf if self.possible else gap + self.error
         hidden = 0.0
-        if self.coarse and gap <= self.error and self._overlap(moments) < self.error:
+        if self.coarse and gap <= self.error and self._overlap(state) < self.error:
             hidden = self.error if gap > 0.0 else inf
         clearance = max(0.0, gap - self.error)
-        return Measurement(t, moments, level, clearance, above, self.margin, proximity, hidden=hidden)
+        return Measurement(t, state, level, clearance, above, self.margin, proximity, hidden=hidden)
 
-    def _overlap(self, moments: Moments) -> float:
+    def _overlap(self, state: PairState) -> float:
         """Return how deep (m) the bodies are in each other as measured, errors not taken off; 0 if unknown."""
-        deep = self._narrow_phase.depth(self._a, self._b, moments.a.pose, moments.b.pose)
+        deep = self._narrow_phase.depth(self._a, self._b, state.a.pose, state.b.pose)
         one, other = self._inner_radii
-        apart = norm(subtract(moments.a.centre, moments.b.centre))
+        apart = norm(subtract(state.a.centre, state.b.centre))
         return max(deep, one + other - apart) if one > 0.0 and other > 0.0 else deep
 
     def look_inside(self, measurement: Measurement) -> Measurement:
         """Return the measurement with containment decided; needed wherever disjoint surfaces do not prove it."""
         if measurement.touching or measurement.hidden or measurement.level is not Level.MESH:
             return measurement
-        moments = measurement.moments
-        inside = self._narrow_phase.contained(self._a, self._b, moments.a.pose, moments.b.pose)
+        state = measurement.state
+        inside = self._narrow_phase.contained(self._a, self._b, state.a.pose, state.b.pose)
         return replace(measurement, inside=inside)
 
     def depth(self, measurement: Measurement) -> float:
@@ -186,16 +186,16 @@ class Pair:
         """
         if measurement.inside is not None:
             return measurement.clearance
-        moments = measurement.moments
+        state = measurement.state
         proximity = measurement.proximity
         if proximity is not None and proximity.distance > 0.0:  # only balls that have grown meet
             depth = -proximity.distance
         else:
-            depth = self._narrow_phase.depth(self._a, self._b, moments.a.pose, moments.b.pose)
+            depth = self._narrow_phase.depth(self._a, self._b, state.a.pose, state.b.pose)
         least = 0.0 if self.coarse else self.error
         return max(depth + self.motion.spread(measurement.time) - self.error, least)
 
-    def slabs(self, measurement: Measurement, duration: float, beyond: float) -> Slabs | None:
+    def slabs(self, measurement: Measurement, duration: float, beyond: float) -> TriangleSlabs | None:
         """Return the slabs between the bodies' triangles at a measurement, None where there are too many.
 
         Args:
@@ -203,20 +203,20 @@ class Pair:
             duration: s, how far ahead they may be asked of.
             beyond: m, what the triangles that are left out keep as distance until then.
         """
-        moments = measurement.moments
-        near = self.motion.approach(moments, duration, Part.CORE)
-        reach = self.motion.displacement(moments, near.horizon) * (1.0 + 1e-6) + beyond
+        state = measurement.state
+        near = self.motion.approach(state, duration, Part.CORE)
+        reach = self.motion.displacement(state, near.horizon) * (1.0 + 1e-6) + beyond
         spread = self.motion.spread(measurement.time)
-        found = self._triangles_within(moments, reach + spread + 2.0 * self.error)
+        found = self._triangles_within(state, reach + spread + 2.0 * self.error)
         if found is None:
             return None
-        twists, slack = self._twists(moments), self.motion.slack(moments)
+        twists, slack = self._twists(state), self.motion.slack(state)
         proximity = measurement.proximity
         assert proximity is not None
         direction = unit(subtract(proximity.witness_b, proximity.witness_a))
-        return Slabs(found, twists, direction, self.error + spread, reach, near, slack)
+        return TriangleSlabs(found, twists, direction, self.error + spread, reach, near, slack)
 
-    def slab(self, measurement: Measurement, duration: float, beyond: float) -> Slab:
+    def slab(self, measurement: Measurement, duration: float, beyond: float) -> BodySlab:
         """Return the slab between the whole bodies at a measurement that lasts longest.
 
         Args:
@@ -224,23 +224,23 @@ class Pair:
             duration: s, how far ahead it may be asked of.
             beyond: m, the width that it is chosen to keep.
         """
-        moments = measurement.moments
+        state = measurement.state
         proximity = measurement.proximity
         assert proximity is not None
-        near = self.motion.approach(moments, duration, Part.CORE)
-        twists, slack = self._twists(moments), self.motion.slack(moments)
-        centre = moments.a.pose[:3, 3]
-        chains = zip((self.motion.a, self.motion.b), (moments.a.pose, moments.b.pose), twists, strict=True)
+        near = self.motion.approach(state, duration, Part.CORE)
+        twists, slack = self._twists(state), self.motion.slack(state)
+        centre = state.a.pose[:3, 3]
+        chains = zip((self.motion.a, self.motion.b), (state.a.pose, state.b.pose), twists, strict=True)
         one, other = (
             Points(chain.extent.points @ pose[:3, :3].T + (pose[:3, 3] - centre), chain.extent.radii, twist)
             for chain, pose, twist in chains
         )
         features = proximity.feature_a(), proximity.feature_b()
-        nearest = self._narrow_phase.corners(self._a, self._b, moments.a.pose, moments.b.pose, features)
+        nearest = self._narrow_phase.corners(self._a, self._b, state.a.pose, state.b.pose, features)
         error = self.error + self.motion.spread(measurement.time)
-        return Slab(one, other, nearest, error, beyond, near, slack)
+        return BodySlab(one, other, nearest, error, beyond, near, slack)
 
-    def ball_slabs(self, measurement: Measurement, duration: float, beyond: float) -> BallSlabs:
+    def sphere_slabs(self, measurement: Measurement, duration: float, beyond: float) -> SphereSlabs:
         """Return the slabs between the bodies' bounding balls from a measurement on.
 
         Args:
@@ -248,42 +248,42 @@ class Pair:
             duration: s, how far ahead they may be asked of.
             beyond: m, the width that they are chosen to keep.
         """
-        return BallSlabs(self.motion, self.error, measurement.moments, duration, beyond)
+        return SphereSlabs(self.motion, self.error, measurement.state, duration, beyond)
 
-    def inner_balls(self) -> InnerBalls | None:
+    def inscribed_spheres(self) -> InscribedSpheres | None:
         """Return balls inside both bodies, of known path; None where the middle of a body's bounds is outside of it."""
         one, other = self._inner_radii
-        return InnerBalls(self.motion, one + other - self.error) if one > 0.0 and other > 0.0 else None
+        return InscribedSpheres(self.motion, one + other - self.error) if one > 0.0 and other > 0.0 else None
 
     @cached_property
     def _inner_radii(self) -> tuple[float, float]:
         """The radii (m) of balls about the middles of both bodies' bounds that these hold, 0 without one."""
-        inner = self._narrow_phase.inner_radius
+        inner = self._narrow_phase.inscribed_radius
         return inner(self._a, self.motion.a.ball.centre), inner(self._b, self.motion.b.ball.centre)
 
-    def overlaps(self, measurement: Measurement, duration: float) -> Overlaps | None:
+    def overlaps(self, measurement: Measurement, duration: float) -> TriangleOverlap | None:
         """Return the overlaps of touching bodies' triangles, of some where there are many; None of far too many.
 
         Args:
             measurement: of bodies of known path, whose surfaces touch.
             duration: s, how far ahead they may be asked of.
         """
-        moments = measurement.moments
-        found = self._triangles_within(moments, 2.0 * self.error, some=True)
+        state = measurement.state
+        found = self._triangles_within(state, 2.0 * self.error, some=True)
         if found is None:
             return None
-        near = self.motion.approach(moments, duration, Part.CORE)
-        twists, slack = self._twists(moments), self.motion.slack(moments)
-        return Overlaps(proper(found), twists, self.error, near, slack)
+        near = self.motion.approach(state, duration, Part.CORE)
+        twists, slack = self._twists(state), self.motion.slack(state)
+        return TriangleOverlap(proper(found), twists, self.error, near, slack)
 
-    def _triangles_within(self, moments: Moments, reach: float, some: bool = False) -> NearTriangles | None:
+    def _triangles_within(self, state: PairState, reach: float, some: bool = False) -> NearTriangles | None:
         """Return the pairs of triangles that may be within `reach` (m), as seen from the first body's place."""
-        return self._narrow_phase.triangles_within(self._a, self._b, moments.a.pose, moments.b.pose, reach, some)
+        return self._narrow_phase.triangles_within(self._a, self._b, state.a.pose, state.b.pose, reach, some)
 
-    def _twists(self, moments: Moments) -> tuple[Twist, Twist]:
+    def _twists(self, state: PairState) -> tuple[Twist, Twist]:
         """Return how both bodies move, as seen from the first one's place."""
-        centre = translation_of(moments.a.pose)
-        a, b = moments.a.twist, moments.b.twist
+        centre = translation_of(state.a.pose)
+        a, b = state.a.twist, state.b.twist
         return a._replace(origin=subtract(a.origin, centre)), b._replace(origin=subtract(b.origin, centre))
 
     def distance(self, measurement: Measurement) -> Distance | None:
@@ -302,7 +302,7 @@ class Pair:
             gap = 0.0
         features, excess = (proximity.feature_a(), proximity.feature_b()), 0.0
         if not self.possible:
-            poses = measurement.moments.a.pose, measurement.moments.b.pose
+            poses = measurement.state.a.pose, measurement.state.b.pose
             excess = self._narrow_phase.excess(self._a, self._b, *poses, proximity, features)
         if self._ancestry:
             world = self._world_from_ancestor(measurement.time)
@@ -314,12 +314,12 @@ class Pair:
         """Whether both bodies are single spheres, whose balls are themselves."""
         return self._narrow_phase.is_ball(self._a) and self._narrow_phase.is_ball(self._b)
 
-    def _between_spheres(self, moments: Moments) -> Proximity:
+    def _between_spheres(self, state: PairState) -> ClosestPoints:
         """Return the exact proximity of two spheres, whose balls are themselves."""
         core = Feature(FeatureKind.VERTEX, 0, 0, 0)
-        return Proximity.of_rounded(
-            Rounded(moments.a.centre, lambda: core, self.motion.a.ball.radius),
-            Rounded(moments.b.centre, lambda: core, self.motion.b.ball.radius),
+        return ClosestPoints.of_rounded(
+            Rounded(state.a.centre, lambda: core, self.motion.a.ball.radius),
+            Rounded(state.b.centre, lambda: core, self.motion.b.ball.radius),
         )
 
     def _world_from_ancestor(self, t: float) -> FloatArray:
@@ -333,4 +333,4 @@ class Pair:
     def _ancestry(self) -> tuple[int, ...]:
         """The bodies that carry the frame that measurements are taken in, nearest first."""
         ancestor = common_ancestor(self._bodies, self.key.a, self.key.b)
-        return () if ancestor is None else lineage(self._bodies, ancestor)
+        return () if ancestor is None else ancestors(self._bodies, ancestor)

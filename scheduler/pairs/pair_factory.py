@@ -11,7 +11,7 @@ from ..geometry.transform import translation_of
 from ..geometry.vector import ZERO, norm
 from ..kinematics.chain import Chain, chain_to
 from ..kinematics.relative_motion import RelativeMotion
-from ..model.body_tree import anchor, common_ancestor, lineage
+from ..model.body_tree import ancestors, common_ancestor, rigid_group
 from ..model.events import PairKey
 from ..model.extent import Ball, Extent, body_extents
 from ..model.scene import Scene, all_pairs, pair_id
@@ -37,10 +37,10 @@ def pairs_that_might_collide(scene: Scene, narrow_phase: NarrowPhase, margin: fl
         narrow_phase: of its bodies; gets a ball for each whose path is unknown.
         margin: m, of pairs that no rule gives one of their own.
     """
-    return Pairing(scene, narrow_phase, margin).all()
+    return PairFactory(scene, narrow_phase, margin).all()
 
 
-class Pairing:
+class PairFactory:
     """Makes the pairs of a scene, one at a time; bodies' chains are shared between them.
 
     Attributes:
@@ -86,7 +86,7 @@ class Pairing:
 def ignored_pairs(scene: Scene) -> Iterator[tuple[int, int]]:
     """Yield the pairs that only the scene's rules keep from being checked, by id; the first ones come at once."""
     rules = scene.rules
-    anchors = {index: anchor(scene.bodies, index) for index, body in enumerate(scene.bodies) if body.shapes}
+    anchors = {index: rigid_group(scene.bodies, index) for index, body in enumerate(scene.bodies) if body.shapes}
     for a, above in anchors.items():
         others = frozenset[int]().union(*(rule.partners(a) for rule in rules.ignored)) if rules.default else anchors
         for b in sorted(b for b in others if b > a and b in anchors and anchors[b] != above):
@@ -141,14 +141,14 @@ class Sides:
 
     def _unknown(self, body: int, ancestor: int | None) -> list[int]:
         """Return the frames of unknown path from a body up to below an ancestor, the body's own first."""
-        line = lineage(self._bodies, body)
+        line = ancestors(self._bodies, body)
         below = line if ancestor is None else line[: line.index(ancestor)]
         return [index for index in below if isinstance(self._bodies[index].motion, Limits)]
 
     def _ball(self, body: int, top: int) -> tuple[int, Extent]:
         """Return a ball about the frame `top` that holds a body below it at all times, and its index."""
         if (body, top) not in self._balls:
-            line = lineage(self._bodies, body)
+            line = ancestors(self._bodies, body)
             own = self.extents[body]
             radius = float(np.max(np.linalg.norm(own.points, axis=1) + own.radii))
             for index in line[: line.index(top)]:

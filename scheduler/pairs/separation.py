@@ -47,7 +47,7 @@ class Ahead(Generic[BoundT]):
         return self._bound
 
 
-class Outlook:
+class SeparationSleep:
     """The bounds that hold from one measurement of a pair on."""
 
     def __init__(self, pair: Pair, measurement: Measurement, keeps: float) -> None:
@@ -56,7 +56,7 @@ class Outlook:
         self._measurement = measurement
         self._keeps = keeps
         exact = measurement.proximity is not None
-        self._balls = Ahead(lambda duration: pair.ball_slabs(measurement, duration, keeps))
+        self._balls = Ahead(lambda duration: pair.sphere_slabs(measurement, duration, keeps))
         self._slab = Ahead(lambda duration: pair.slab(measurement, duration, keeps) if exact else None)
         self._slabs = Ahead(lambda duration: pair.slabs(measurement, duration, keeps) if exact else None)
 
@@ -74,7 +74,7 @@ class Outlook:
         if here.proximity is None and balls >= min(horizon, STEPS_TOO_FEW * floor):
             return shortened(here.time, balls), Bound.DIRECTIONAL
         spare = max(0.0, spendable(here.clearance) - self._keeps)  # as `proof` has it
-        sleep, bound = motion_bound.sleep(self._pair.motion, here.moments, here.time, spare, horizon)
+        sleep, bound = motion_bound.sleep(self._pair.motion, here.state, here.time, spare, horizon)
         balls = shortened(here.time, balls)
         if balls > sleep:
             sleep, bound = balls, Bound.DIRECTIONAL
@@ -97,14 +97,14 @@ class Outlook:
         parted = self._balls.until(duration).clearance(duration)
         if here.proximity is None and parted > self._keeps:
             return Proof(min(parted, here.clearance), 0.0)
-        proof = motion_bound.proof(motion, here.moments, here.clearance, duration, after.clearance)
+        proof = motion_bound.proof(motion, here.state, here.clearance, duration, after.clearance)
         if self._slab.known is None and self._slabs.known is None and proof.clearance <= self._keeps:
             self._slab.until(duration)
             self._slabs.until(duration)
         if self._slab.known is not None:
             parted = max(parted, self._slab.known.clearance(duration))
         if self._slabs.known is not None:
-            displaced = motion.displacement(here.moments, duration)
+            displaced = motion.displacement(here.state, duration)
             parted = max(parted, self._slabs.known.clearance(duration, displaced))
         return Proof(max(proof.clearance, min(parted, here.clearance)), proof.depth_limit)
 

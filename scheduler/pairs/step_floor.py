@@ -17,7 +17,7 @@ STEPS_BACK = 16.0
 FINEST = 1.0 / 256.0
 
 
-class Floor:
+class StepFloor:
     """The least sleep of a pair (s), now.
 
     A step of the floor that cannot be proved clear is taken back and tried with a quarter of it, down to a share of the

@@ -33,7 +33,7 @@ class Tangent(NamedTuple):
     @staticmethod
     def at(measurement: Measurement) -> Tangent:
         """Return what an exact measurement of bodies apart tells: nearest points move as their bodies do."""
-        a, b, proximity = measurement.moments.a, measurement.moments.b, measurement.proximity
+        a, b, proximity = measurement.state.a, measurement.state.b, measurement.proximity
         assert proximity is not None
         across = unit(subtract(proximity.witness_b, proximity.witness_a))
         parting = subtract(b.twist.of(proximity.witness_b), a.twist.of(proximity.witness_a))
@@ -43,7 +43,7 @@ class Tangent(NamedTuple):
         return Tangent(measurement.time, measurement.above, dot(across, parting), turn)
 
 
-class Valley:
+class TangentSearch:
     """A low of a distance over time, closed in on from both sides.
 
     Nothing rests on there being one only, nor on finding it.

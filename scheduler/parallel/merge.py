@@ -14,13 +14,13 @@ from math import inf
 from operator import itemgetter
 from typing import IO, NamedTuple
 
-from ..broad.active_pairs import Crowd
+from ..broad.active_pairs import ActivePairs
 from ..broad.broad_phase import BroadPhase, Tick
 from ..broad.windows import Sweeps, ToldWindows, Windows
 from ..model.events import Collision, Event, Snapshot, Window
 from ..model.share import Share
 from ..pairs.pair import Pair
-from ..pairs.pair_factory import Pairing
+from ..pairs.pair_factory import PairFactory
 from ..queue import WakeupQueue
 from ..run import run
 from ..snapshots.nearest_pairs import CrowdObserver
@@ -69,14 +69,14 @@ def stream(packed_work: bytes, share: Share, ticks: bytes | None = None) -> Stre
     before = pairing.narrow_phase.seconds
     queue = WakeupQueue()
     told: list[Tick] | None = None if ticks is None else pickle.loads(ticks)
-    crowd = None if told is None else Crowd(pairing, work.settings, told, share)
+    crowd = None if told is None else ActivePairs(pairing, work.settings, told, share)
     pairs = pairing.all(share) if crowd is None else ()
     collisions: list[tuple[Turn, Collision]] = []
     turns = packed_stream(_turns(run(pairs, work.settings, crowd, queue), queue, collisions), _TURNS_A_PACK)
     return Stream(turns, collisions, pairing.narrow_phase.seconds - before)
 
 
-def observer_of(pairing: Pairing, pairs: Sequence[Pair] | None, most_pairs: int) -> Observes[Snapshot]:
+def observer_of(pairing: PairFactory, pairs: Sequence[Pair] | None, most_pairs: int) -> Observes[Snapshot]:
     """Return what takes snapshots of a scene and of its pairs, None for those of a crowd."""
     if pairs is None:
         return CrowdObserver(pairing, most_pairs)

@@ -12,7 +12,7 @@ from typing import IO, Any, Generic, NamedTuple, TypeVar
 
 from ..model.scene import Scene, Settings
 from ..narrow.narrow_phase import NarrowPhase
-from ..pairs.pair_factory import Pairing
+from ..pairs.pair_factory import PairFactory
 
 MadeT = TypeVar("MadeT")
 
@@ -42,15 +42,15 @@ class MadeLast(threading.local, Generic[MadeT]):
         return self._kept[1]
 
 
-_bench: MadeLast[tuple[Work, Pairing]] = MadeLast()
+_bench: MadeLast[tuple[Work, PairFactory]] = MadeLast()
 
 
-def unpacked(packed_work: bytes) -> tuple[Work, Pairing]:
+def unpacked(packed_work: bytes) -> tuple[Work, PairFactory]:
     """Return the work, and what makes its pairs, built once by each thread."""
 
-    def built() -> tuple[Work, Pairing]:
+    def built() -> tuple[Work, PairFactory]:
         work: Work = pickle.loads(packed_work)
-        return work, Pairing(work.scene, NarrowPhase(work.scene.bodies), work.settings.margin)
+        return work, PairFactory(work.scene, NarrowPhase(work.scene.bodies), work.settings.margin)
 
     return _bench.get(packed_work, built)
 

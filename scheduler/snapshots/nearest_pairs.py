@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from ..broad.box_grid import BoxGrid
 from ..geometry.arrays import FloatArray, IntArray
-from ..model.body_tree import anchor, lineage
+from ..model.body_tree import ancestors, rigid_group
 from ..model.events import Collision, Nearness, Snapshot
 from ..model.extent import body_extents
 from ..model.pair_count import kinds_of
 from ..model.scene import bodies_of_pair, pair_id
 from ..model.world_poses import WorldPoses
 from ..pairs.pair import Pair
-from ..pairs.pair_factory import Pairing
+from ..pairs.pair_factory import PairFactory
 from .snapshot import alive, lifetimes, measured
 
 #: A search that found too few pairs goes on this many times as far.
@@ -33,7 +33,7 @@ class CrowdObserver:
     costs no more where there are more of them: their distance, 0, is the least.
     """
 
-    def __init__(self, pairing: Pairing, most_pairs: int) -> None:
+    def __init__(self, pairing: PairFactory, most_pairs: int) -> None:
         """Observe a scene's bodies; a snapshot names at most `most_pairs` >= 1 pairs."""
         self._pairing = pairing
         self._scene = pairing.scene
@@ -41,7 +41,7 @@ class CrowdObserver:
         self._poses = WorldPoses(self._scene.bodies)
         self._lifetimes = lifetimes(self._scene)
         bodies = self._scene.bodies
-        self._anchors = np.array([-1 if (at := anchor(bodies, k)) is None else at for k in range(len(bodies))])
+        self._anchors = np.array([-1 if (at := rigid_group(bodies, k)) is None else at for k in range(len(bodies))])
         extents = body_extents(bodies)
         self._solid = np.array(sorted(extents), dtype=np.int64)
         self._middles = np.array([(*extents[k].ball.centre, 1.0) for k in sorted(extents)])
@@ -133,7 +133,7 @@ class CrowdObserver:
         poses = np.zeros((len(bodies), 4, 4))
         for body in {body for pair in pairs for body in self._bodies_of(pair)}:
             above = np.eye(4)
-            for index in reversed(lineage(bodies, body)):
+            for index in reversed(ancestors(bodies, body)):
                 above = above @ (bodies[index].pose @ bodies[index].motion.pose(time))
                 poses[index] = above
         return poses

@@ -14,7 +14,7 @@ from google.protobuf.timestamp_pb2 import Timestamp
 from numpy.typing import NDArray
 
 from ....scheduler.geometry.arrays import FloatArray
-from ....scheduler.model.body_tree import lineage
+from ....scheduler.model.body_tree import ancestors
 from ....scheduler.model.events import Collision, Nearness, PairKey, Phase, Snapshot, Verdict
 from ....scheduler.model.scene import Scene
 from ....scheduler.model.world_poses import WorldPoses
@@ -77,7 +77,9 @@ class Viewer:
         self._options = options
         self._bodies = bodies
         self._names = tuple(body.name for body in bodies)
-        moving = [any(not isinstance(bodies[i].motion, Fixed) for i in lineage(bodies, k)) for k in range(len(bodies))]
+        moving = [
+            any(not isinstance(bodies[i].motion, Fixed) for i in ancestors(bodies, k)) for k in range(len(bodies))
+        ]
         self._frames = [index for index, moves in enumerate(moving) if moves][:_MOST_FRAMES]
         self._packer = self._packer_of(self._frames)
         self._poses_at_start = WorldPoses(bodies).at(scene.start)
@@ -210,7 +212,7 @@ class Viewer:
 
     def _frames_of(self, pair: PairKey) -> list[int]:
         """Return the moving bodies in the chains of a pair's two, in document order."""
-        chains = {*lineage(self._bodies, pair.a), *lineage(self._bodies, pair.b)}
+        chains = {*ancestors(self._bodies, pair.a), *ancestors(self._bodies, pair.b)}
         return sorted(chains.intersection(self._frames))
 
     def _packer_of(self, frames: list[int]) -> TransformPacker:

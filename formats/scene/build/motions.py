@@ -15,7 +15,7 @@ from ....scheduler.motions import (
     Motion,
     Orbit,
     Polynomial,
-    Profile,
+    Trapezoid,
     Screw,
     Swing,
 )
@@ -150,7 +150,7 @@ class MotionReader:
         scaled = self._scale.angle if turns else self._scale.length
         if not turns and "point" in part.model_fields_set:
             self._findings.fault((*where, "point"), "a slide has no point, leave the key out (or is it a turn?)")
-        return Profile(
+        return Trapezoid(
             turns,
             self._unit(part.axis, (*where, "axis")),
             self._scale.lengths(part.point),

@@ -9,7 +9,7 @@ import numpy as np
 
 from ....scheduler.geometry.transform import translation_of
 from ....scheduler.geometry.vector import norm
-from ....scheduler.model.body_tree import parents_first
+from ....scheduler.model.body_tree import topological_order
 from ....scheduler.model.scene import Scene, Shape
 from ..text.document import Findings, Loose
 from ..text.errors import Where, counted
@@ -50,7 +50,7 @@ class _Reaches:
         self._bodies, times = scene.bodies, (scene.start, scene.end)
         self._extents = [body.motion.extent(times) for body in scene.bodies]
         self._carried = [max(map(_reach_of_shape, body.shapes), default=0.0) for body in scene.bodies]
-        for index in reversed(parents_first(scene.bodies)):
+        for index in reversed(topological_order(scene.bodies)):
             parent = scene.bodies[index].parent
             if parent is not None:
                 away = norm(translation_of(scene.bodies[index].pose)) + self._extents[index]
