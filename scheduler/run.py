@@ -58,9 +58,10 @@ def run(
         # and the pair goes back with t_min; if not, with a new lower bound on its time to collision: max(t_c, t_min).
         plan = watch.plan()
         # Where windows clear it for longer than that, it leaves the queue until they no longer do.
-        if crowd is not None and plan is not None:
-            plan = crowd.part(watch, plan)
-        if plan is not None and plan.bound is not Bound.WINDOWS:
+        retired = crowd.retire(watch, plan) if crowd is not None and plan is not None else None
+        if retired is not None:
+            plan = retired
+        elif plan is not None:
             queue.push(plan.time, plan.reason, watch)
         sleep, bound = (max(0.0, plan.time - time), plan.bound) if plan else (0.0, Bound.NONE)
         yield Wakeup(time, watch.pair.key, reason, measurement.level, bound, watch.clearance, sleep)

@@ -270,9 +270,11 @@ def test_windows_of_now_do_not_clear_what_was_before_them() -> None:
     ((_, _, watch),) = entered
     plan = Plan(2.0, Reason.TIME_BOUND, Bound.LECTURE)
     list(watch.learn(watch.pair.measure(0.0)))
-    assert crowd.part(watch, plan) is plan
+    assert crowd.retire(watch, plan) is None
     list(watch.learn(watch.pair.measure(crowd.next_tick)))
-    assert crowd.part(watch, plan._replace(time=crowd.next_tick)).bound is Bound.WINDOWS
+    retired = crowd.retire(watch, plan._replace(time=crowd.next_tick))
+    assert retired is not None
+    assert retired.bound is Bound.WINDOWS
 
 
 def test_jumping_bodies_meet_at_the_jump_alone() -> None:

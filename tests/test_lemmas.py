@@ -11,7 +11,7 @@ import pytest
 from drawn_motions import RandomCourse, random_unit, vector
 
 from closecall.scheduler.bounds import motion_bound
-from closecall.scheduler.bounds.body_slab import BodySlab, Points
+from closecall.scheduler.bounds.body_slab import Points, lasting_slab
 from closecall.scheduler.bounds.triangle_slabs import TriangleSlabs
 from closecall.scheduler.kinematics.chain import Chain, Joint, Twist
 from closecall.scheduler.kinematics.relative_motion import RelativeMotion, RelativeRates
@@ -229,7 +229,8 @@ def test_errors_of_measurement_are_taken_off_slabs():
     for gap, error in ((1.0, 0.25), (0.3, 0.1), (1e-3, 1e-4)):
         above = flat + np.array([0.0, 0.0, gap])
         one, other = (Points(corners, np.zeros(3), rest) for corners in (flat, above))
-        whole = BodySlab(one, other, (flat, above), error, 0.0, future, 0.0)
+        whole = lasting_slab(one, other, (flat, above), error, 0.0, future, 0.0)
+        assert whole is not None
         triangles = NearTriangles(flat[None], above[None], np.zeros(1))
         each = TriangleSlabs(triangles, (rest, rest), (0.0, 0.0, 1.0), error, inf, future, 0.0)
         for certain in (whole.clearance(1.0), each.clearance(1.0, 0.0)):

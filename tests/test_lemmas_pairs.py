@@ -1,6 +1,8 @@
 """Lemmas of pairs that other tests see only from afar: how long contacts last, what is inside, what is within reach."""
 
+from collections.abc import Generator
 from math import inf
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,6 +17,7 @@ from closecall.scheduler.pairs.contact import ContactSleep
 from closecall.scheduler.pairs.least_distance import LeastDistance
 from closecall.scheduler.pairs.pair import Pair
 from closecall.scheduler.pairs.pair_factory import pairs_that_might_collide
+from closecall.scheduler.pairs.separation import Tuning
 from closecall.scheduler.pairs.span_record import Stretch
 
 O = (0.0, 0.0, 0.0)  # noqa: E741
@@ -119,6 +122,16 @@ def test_what_is_certified_of_a_distance_is_less_by_the_error():
     assert 3.0 <= exact.above <= 3.0 + 3.0 * pair.error
 
 
+def drained(generator: Generator[Any, None, Any]) -> tuple[list[Any], Any]:
+    """Return what a generator yields, and what it returns."""
+    yielded = []
+    while True:
+        try:
+            yielded.append(next(generator))
+        except StopIteration as end:
+            return yielded, end.value
+
+
 def test_the_least_distance_is_sought_beyond_a_jump():
     """A box goes from 0.1 m away to 7.5 m and jumps back, each second; one stretch is known from far off on."""
     turns = np.tile((1.0, 0.0, 0.0, 0.0), (3, 1))
@@ -127,7 +140,8 @@ def test_the_least_distance_is_sought_beyond_a_jump():
     loops = body("loops", box(1.0, 1.0, 1.0), O, Looped(keys, False, True))
     pair = pair_of(body("still", box(1.0, 1.0, 1.0)), loops, end=3.5)
     stretches = [Stretch(0.5, 3.5, Verdict.CLEAR, 0.01, 0.0, inf)]
-    search = LeastDistance(pair, stretches, 0.01, 1e-3)
-    assert list(search.narrow())
+    search = LeastDistance(pair, stretches, 0.01, 1e-3, Tuning())
+    measured, raised = drained(search.narrowed())
+    assert measured
     assert 0.1 <= search.upper <= 0.1 + 1e-9
-    assert 0.098 <= min(stretch.clearance for stretch in stretches) <= 0.1
+    assert 0.098 <= min(stretch.clearance for stretch in raised) <= 0.1

@@ -68,14 +68,14 @@ class ActivePairs:
             entering.append((begin if first else time, Reason.START if first else Reason.WINDOW, watch))
         return entering
 
-    def part(self, watch: Monitor, plan: Plan) -> Plan:
-        """Return the pair's plan, or, where windows clear it for longer, how long they do: then it leaves the queue.
+    def retire(self, watch: Monitor, plan: Plan) -> Plan | None:
+        """Return how long windows clear a pair that is to leave the queue; None where its own plan lasts longer.
 
         They have to clear it from when it is decided to: a last step that is to be tried finer is not.
         """
         key = watch.pair.key
         if not watch.parting or (until := self._history.cleared_until(key.a, key.b, watch.decided)) < plan.time:
-            return plan
+            return None
         self._inside.discard(key.id)
         self._outside[key.id] = watch
         return Plan(until, Reason.WINDOW, Bound.WINDOWS)

@@ -8,14 +8,14 @@ take too many measurements, the greatest share of it that they allow.
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Iterator, Sequence
 from math import inf
 
 import numpy as np
 
 from ..model.events import Bound, Distance, Reason, Verdict, Wakeup
 from .pair import Measurement, Pair
-from .separation import SeparationSleep
+from .separation import SeparationSleep, Tuning
 from .span_record import Stretch
 from .tangent_search import Tangent, TangentSearch
 
@@ -50,19 +50,21 @@ class LeastDistance:
         upper: m, upper bound on the least distance: the least one measured, its error added.
     """
 
-    def __init__(self, pair: Pair, stretches: list[Stretch], share: float, floor: float) -> None:
+    def __init__(self, pair: Pair, stretches: Sequence[Stretch], share: float, floor: float, tuning: Tuning) -> None:
         """Take a decided pair.
 
         Args:
             pair: the pair.
-            stretches: of the whole time of the pair; their clearances are to be raised.
+            stretches: of the whole time of the pair.
             share: of the least distance, how far the bracket's ends may lie apart.
-            floor: s, sleeps of fewer than some of these are worth a directional bound.
+            floor: s, sleeps of fewer than some of these are worth a slab.
+            tuning: of the pair's bounds.
         """
         self._pair = pair
         self._share = share
         self._floor = floor
-        self._stretches = stretches
+        self._stretches = list(stretches)
+        self._tuning = tuning
         self._left = MOST_MEASUREMENTS
         self._reserve = 0
         self.upper = min((stretch.nearest for stretch in stretches), default=inf)
@@ -75,11 +77,15 @@ class LeastDistance:
         tolerance = max(self._share * self.upper, LEAST_TOLERANCE, ERRORS * self._pair.error)
         return max(0.0, self.upper - tolerance)
 
-    def narrow(self) -> Generator[Found, None, None]:
+    def narrowed(self) -> Generator[Found, None, list[Stretch]]:
         """Go through the stretches that may hold the least distance; yield what is measured.
 
-        Nothing can be gained where a stretch is unresolved.
+        Return the stretches, their clearances raised. Nothing can be gained where a stretch is unresolved.
         """
+        yield from self._narrow()
+        return self._stretches
+
+    def _narrow(self) -> Generator[Found, None, None]:
         stretches = self._stretches
         if any(stretch.clearance <= 0.0 for stretch in stretches):
             return
@@ -185,7 +191,7 @@ class LeastDistance:
             ahead = stop - time
             sleep, bound = 0.0, Bound.NONE
             if time < end:
-                sleep, bound = SeparationSleep(self._pair, measurement, keeps).sleep(ahead, self._floor)
+                sleep, bound = SeparationSleep(self._pair, measurement, keeps, self._tuning).sleep(ahead, self._floor)
             yield from self._told(measurement, bound, sleep)
             if time >= end:
                 return True

@@ -14,7 +14,7 @@ from ..model.scene import Settings
 from .contact import ContactSleep
 from .least_distance import LeastDistance
 from .pair import Measurement, Pair
-from .separation import SeparationSleep
+from .separation import SeparationSleep, Tuning
 from .span_record import Cleared, SpanRecord
 from .step_floor import StepFloor
 
@@ -33,6 +33,20 @@ class Plan(NamedTuple):
     bound: Bound
 
 
+class Finding(NamedTuple):
+    """What is decided of the time between two measurements.
+
+    Attributes:
+        verdict: of the whole time.
+        clearance: m, certified lower bound on the distance; 0 where nothing is certain.
+        depth_limit: m, no point of one solid gets deeper than this into the other; NaN where nothing is known.
+    """
+
+    verdict: Verdict
+    clearance: float = 0.0
+    depth_limit: float = 0.0
+
+
 class Monitor:
     """The state of one pair.
 
@@ -45,13 +59,14 @@ class Monitor:
     """
 
     def __init__(self, pair: Pair, settings: Settings) -> None:
-        """Watch a pair while both its bodies exist."""
+        """Monitor a pair while both its bodies exist."""
         self.pair = pair
         self._settings = settings
         self._end = pair.end
         self.clearance = 0.0
         self._known: Measurement | None = None
-        self._outlook: SeparationSleep | None = None
+        self._ahead_of_known: SeparationSleep | None = None
+        self._tuning = Tuning()
         self._other: Measurement | None = None
         latest = max(abs(pair.start), abs(pair.end))
         self._margin_tolerance = max(MARGIN_SHARE * settings.contact_tolerance, 8.0 * ulp(latest))
@@ -73,15 +88,11 @@ class Monitor:
             if measurement.touching:
                 yield from self._change(measurement, measurement)
         else:
-            measurement, verdict, clearance, depth_limit = self._judge(known, measurement)
+            measurement, finding = self._judge(known, measurement)
             if measurement.standing is not known.standing:
                 self._other = measurement
-            elif (
-                known.hidden
-                or measurement.hidden
-                or not self._takes_back(measurement.time - known.time, verdict, clearance)
-            ):
-                yield from self._extend(known, measurement, verdict, clearance, depth_limit)
+            elif known.hidden or measurement.hidden or not self._takes_back(measurement.time - known.time, finding):
+                yield from self._extend(known, measurement, finding)
                 self._stand_at(measurement)
         self.clearance = 0.0 if measurement.touching else measurement.clearance
         if not self.pair.possible and (distance := self.pair.distance(measurement)) is not None:
@@ -92,8 +103,8 @@ class Monitor:
         """Yield what is left to tell of a pair that is decided up to its end: the least distance, and the spans."""
         share = self._settings.distance_tolerance
         if share is not None and self._near and not self._spans.touched:
-            search = LeastDistance(self.pair, self._spans.untold, share, self._settings.time_resolution)
-            yield from search.narrow()
+            search = LeastDistance(self.pair, self._spans.waiting, share, self._settings.time_resolution, self._tuning)
+            self._spans.replace((yield from search.narrowed()))
         yield from self._spans.finish()
 
     @property
@@ -111,7 +122,7 @@ class Monitor:
         """Take in what windows cleared since all was decided; the pair is then looked at anew."""
         for end, clearance in stretches:
             yield from self._spans.extend(end, Verdict.CLEAR, clearance, 0.0, inf)
-        self._known = self._outlook = None
+        self._known = self._ahead_of_known = None
 
     def plan(self) -> Plan | None:
         """Return the next wakeup, None when the pair is decided up to the end."""
@@ -171,37 +182,39 @@ class Monitor:
         """Take a measurement as the last one known."""
         self._known = measurement
         seen = replace(measurement, proximity=None) if measurement.hidden else measurement  # no direction parts them
-        self._outlook = None if measurement.touching else SeparationSleep(self.pair, seen, measurement.keeps)
+        self._ahead_of_known = None
+        if not measurement.touching:
+            self._ahead_of_known = SeparationSleep(self.pair, seen, measurement.keeps, self._tuning)
 
     @property
     def _ahead(self) -> SeparationSleep:
-        assert self._outlook is not None
-        return self._outlook
+        assert self._ahead_of_known is not None
+        return self._ahead_of_known
 
     def _jumps_between(self, known: Measurement, measurement: Measurement) -> bool:
         """Tell whether a jump parts two measurements: the last float before it and the jump itself are both stops."""
         adjacent = measurement.time <= nextafter(known.time, inf)
         return adjacent and self.pair.motion.stop_after(known.time) == measurement.time
 
-    def _takes_back(self, step: float, verdict: Verdict, clearance: float) -> bool:
+    def _takes_back(self, step: float, finding: Finding) -> bool:
         """Tell whether a step (s) that proved nothing is to be taken back and tried finer."""
-        beside_margin = clearance > 0.0 and step <= self._margin_tolerance
-        if verdict is Verdict.UNRESOLVED and not beside_margin:
+        beside_margin = finding.clearance > 0.0 and step <= self._margin_tolerance
+        if finding.verdict is Verdict.UNRESOLVED and not beside_margin:
             return self._floor.failed(step)
-        if verdict is not Verdict.CONTACT:
+        if finding.verdict is not Verdict.CONTACT:
             self._floor.proved(step)
         return False
 
-    def _judge(self, known: Measurement, measurement: Measurement) -> tuple[Measurement, Verdict, float, float]:
-        """Return the measurement, containment decided where it must be; and the verdict, clearance, depth limit since.
+    def _judge(self, known: Measurement, measurement: Measurement) -> tuple[Measurement, Finding]:
+        """Return the measurement, containment decided where it must be, and what is decided of the time since.
 
         Disjoint surfaces prove that neither body is inside the other only where both were apart before and the time
         between is proved clear.
         """
         if known.touching:
-            return self.pair.look_inside(measurement), Verdict.CONTACT, 0.0, nan
+            return self.pair.look_inside(measurement), Finding(Verdict.CONTACT, depth_limit=nan)
         if measurement.touching:
-            return measurement, Verdict.CONTACT, 0.0, nan
+            return measurement, Finding(Verdict.CONTACT, depth_limit=nan)
         duration = measurement.time - known.time
         if self._jumps_between(known, measurement):  # each side speaks for itself
             left = motion_bound.left(self.pair.motion, known.state, known.clearance, duration)
@@ -211,10 +224,10 @@ class Monitor:
             proof = self._ahead.proof(measurement)
             if proof.clearance <= 0.0 or known.hidden:
                 measurement = self.pair.look_inside(measurement)
-        return measurement, *self._verdict(known, measurement, proof)
+        return measurement, self._finding(known, measurement, proof)
 
-    def _verdict(self, known: Measurement, measurement: Measurement, proof: Proof) -> tuple[Verdict, float, float]:
-        """Return what is proved between two measurements that do not touch: verdict, clearance, depth limit.
+    def _finding(self, known: Measurement, measurement: Measurement, proof: Proof) -> Finding:
+        """Return what is proved between two measurements that do not touch.
 
         CLEAR holds the margin everywhere. Where a margin is crossed, and between two measurements in breach, it is
         proved that nothing touches. Unresolved with a clearance is what grazes the margin, certainly without contact.
@@ -222,10 +235,10 @@ class Monitor:
         clear = known.standing is measurement.standing is Verdict.CLEAR
         hidden = max(known.hidden, measurement.hidden)
         if (clear or hidden) and proof.clearance > known.margin:
-            return Verdict.CLEAR, proof.clearance, 0.0
+            return Finding(Verdict.CLEAR, proof.clearance)
         if proof.clearance > 0.0:
-            return (Verdict.UNRESOLVED if clear else Verdict.BREACH), proof.clearance, 0.0
-        return Verdict.UNRESOLVED, 0.0, proof.depth_limit + hidden
+            return Finding(Verdict.UNRESOLVED if clear else Verdict.BREACH, proof.clearance)
+        return Finding(Verdict.UNRESOLVED, depth_limit=proof.depth_limit + hidden)
 
     def _close_bracket(self) -> Iterator[Event]:
         """Tell the change of standing once its time is known to the tolerance."""
@@ -233,23 +246,21 @@ class Monitor:
         if known is None or other is None or other.time - known.time > self._tolerance(known, other):
             return
         if not (known.touching or other.touching):
-            _, verdict, clearance, depth_limit = self._judge(known, other)
-            yield from self._extend(known, other, verdict, clearance, depth_limit)
+            _, finding = self._judge(known, other)
+            yield from self._extend(known, other, finding)
         self._stand_at(other)
         self._other = None
         self._floor.restore()
         if known.touching or other.touching:
             yield from self._change(known, other)
 
-    def _extend(
-        self, known: Measurement, until: Measurement, verdict: Verdict, clearance: float, depth_limit: float
-    ) -> Iterator[Event]:
+    def _extend(self, known: Measurement, until: Measurement, finding: Finding) -> Iterator[Event]:
         """Tell what is decided between two measurements; of what may be, only that it cannot be is certain."""
         nearest = min(known.above, until.above)
-        self._near |= not (self.pair.possible or self.pair.far(clearance)) or nearest < inf
-        if self.pair.possible and verdict is not Verdict.CLEAR:
-            verdict, depth_limit = Verdict.POSSIBLE, nan
-        yield from self._spans.extend(until.time, verdict, clearance, depth_limit, nearest)
+        self._near |= not (self.pair.possible or self.pair.far(finding.clearance)) or nearest < inf
+        if self.pair.possible and finding.verdict is not Verdict.CLEAR:
+            finding = finding._replace(verdict=Verdict.POSSIBLE, depth_limit=nan)
+        yield from self._spans.extend(until.time, *finding, nearest)
 
     def _tolerance(self, known: Measurement, other: Measurement) -> float:
         """Return the widest bracket (s) that a change between two standings may keep."""
@@ -261,7 +272,7 @@ class Monitor:
         begins = after.touching
         touching, clear = (after, before) if begins else (before, after)
         # A contact's span runs from the clear side of its begin to the clear side of its end.
-        yield from self._extend(before, after, Verdict.CONTACT, 0.0, nan)
+        yield from self._extend(before, after, Finding(Verdict.CONTACT, depth_limit=nan))
         if not begins:  # the next contact may begin at the very instant that was clear
             yield from self._spans.finish()
         if not self.pair.possible:

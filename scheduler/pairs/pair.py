@@ -8,7 +8,7 @@ from math import inf
 
 import numpy as np
 
-from ..bounds.body_slab import BodySlab, Points
+from ..bounds.body_slab import BodySlab, Points, lasting_slab
 from ..bounds.inscribed_spheres import InscribedSpheres
 from ..bounds.sphere_slabs import SphereSlabs
 from ..bounds.triangle_overlap import TriangleOverlap, proper
@@ -24,13 +24,10 @@ from ..model.scene import Scene
 from ..narrow.closest_points import ClosestPoints, Rounded
 from ..narrow.narrow_phase import NarrowPhase
 from ..narrow.triangle_pairs import NearTriangles
-from .backoff import Backoff
 
 #: Bounding spheres settle a wakeup while their gap exceeds this share of the sum of their radii. Nearer, the exact
 #: distance buys a sleep that is worth its cost.
 SPHERES_SUFFICE = 0.5
-#: How far ahead triangles are first looked at, in sleeps that the cheap bounds allow.
-FIRST_LOOKAHEAD = 4.0
 #: An error of measurement above so many m leaves it open whether bodies touch that are nearer than that,
 DOUBT = 1e-6
 #: but not below this share of both radii: that is what any two bodies of their size have.
@@ -42,7 +39,7 @@ class Measurement:
     """A pair at one time.
 
     Attributes:
-        moments: both chains then.
+        state: both chains then.
         level: what measured it.
         clearance: m, certified lower bound on the distance of the surfaces, 0 where they touch within the error of
             measurement.
@@ -97,7 +94,6 @@ class Pair:
         margin: m, nearer than which the pair is in breach.
         error: m, by which a measured distance may be wrong.
         coarse: whether that is so large that bodies nearer than it only touch where they certainly overlap.
-        lookahead: how many times as far ahead as the cheap bounds its triangles are looked at next.
     """
 
     def __init__(
@@ -116,8 +112,6 @@ class Pair:
         """
         self.key = key
         self.motion = motion
-        self.lookahead = FIRST_LOOKAHEAD
-        self.whole = Backoff()
         self.possible = bool(motion.unknown)
         self.at_start = at_start
         self.margin = margin
@@ -216,8 +210,8 @@ class Pair:
         direction = unit(subtract(proximity.witness_b, proximity.witness_a))
         return TriangleSlabs(found, twists, direction, self.error + spread, reach, near, slack)
 
-    def slab(self, measurement: Measurement, duration: float, beyond: float) -> BodySlab:
-        """Return the slab between the whole bodies at a measurement that lasts longest.
+    def slab(self, measurement: Measurement, duration: float, beyond: float) -> BodySlab | None:
+        """Return the slab between the whole bodies at a measurement that lasts longest, None where none is found.
 
         Args:
             measurement: exact, of bodies apart.
@@ -238,7 +232,7 @@ class Pair:
         features = proximity.feature_a(), proximity.feature_b()
         nearest = self._narrow_phase.corners(self._a, self._b, state.a.pose, state.b.pose, features)
         error = self.error + self.motion.spread(measurement.time)
-        return BodySlab(one, other, nearest, error, beyond, near, slack)
+        return lasting_slab(one, other, nearest, error, beyond, near, slack)
 
     def sphere_slabs(self, measurement: Measurement, duration: float, beyond: float) -> SphereSlabs:
         """Return the slabs between the bodies' bounding balls from a measurement on.

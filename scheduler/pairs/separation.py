@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from math import inf
 from typing import Generic, TypeVar
 
@@ -10,6 +11,7 @@ from ..bounds import motion_bound
 from ..bounds.motion_bound import Proof
 from ..geometry.rounding import shortened, spendable
 from ..model.events import Bound
+from .backoff import Backoff
 from .pair import Measurement, Pair
 
 #: Directional bounds are asked where the others allow fewer than this many steps of the floor; that between the whole
@@ -19,8 +21,8 @@ STEPS_TOO_FEW = 16.0
 WHOLE_LOOKAHEAD = 64.0
 #: pays where it lasts this many times as long, and then triangles are not looked at one by one.
 WHOLE_SUFFICES = 2.0
-#: Those look ahead between so many times as far: farther, more triangles are within reach.
-LEAST_LOOKAHEAD, MOST_LOOKAHEAD = 2.0, 32.0
+#: Those look ahead so many times as far at first, then between so many: farther, more triangles are within reach.
+FIRST_LOOKAHEAD, LEAST_LOOKAHEAD, MOST_LOOKAHEAD = 4.0, 2.0, 32.0
 
 BoundT = TypeVar("BoundT")
 
@@ -35,9 +37,14 @@ class Ahead(Generic[BoundT]):
         self._bound: BoundT
 
     @property
+    def asked(self) -> bool:
+        """Whether the bound was ever asked for."""
+        return self._looked > -inf
+
+    @property
     def known(self) -> BoundT | None:
         """What was made last, None before anything was."""
-        return self._bound if self._looked > -inf else None
+        return self._bound if self.asked else None
 
     def until(self, duration: float) -> BoundT:
         """Return the bound for the next `duration` s, or longer."""
@@ -47,11 +54,35 @@ class Ahead(Generic[BoundT]):
         return self._bound
 
 
+@dataclass
+class Tuning:
+    """How far ahead the costly bounds of one pair look, and how often; learnt from what they gave.
+
+    No proof rests on it.
+
+    Attributes:
+        lookahead: how many times as far ahead as the cheap bounds the triangles are looked at next.
+        whole: when to try a slab between the whole bodies although the cheap bounds suffice.
+    """
+
+    lookahead: float = FIRST_LOOKAHEAD
+    whole: Backoff = field(default_factory=Backoff)
+
+    def lasted(self) -> None:
+        """Look farther ahead: the slabs lasted as long as they looked."""
+        self.lookahead = min(MOST_LOOKAHEAD, 2.0 * self.lookahead)
+
+    def too_many(self) -> None:
+        """Look less far ahead: too many triangles were within reach."""
+        self.lookahead = max(LEAST_LOOKAHEAD, 0.5 * self.lookahead)
+
+
 class SeparationSleep:
     """The bounds that hold from one measurement of a pair on."""
 
-    def __init__(self, pair: Pair, measurement: Measurement, keeps: float) -> None:
+    def __init__(self, pair: Pair, measurement: Measurement, keeps: float, tuning: Tuning) -> None:
         """Look ahead from a measurement of bodies apart; sleeps are to keep them more than `keeps` m apart."""
+        self._tuning = tuning
         self._pair = pair
         self._measurement = measurement
         self._keeps = keeps
@@ -79,13 +110,13 @@ class SeparationSleep:
         if balls > sleep:
             sleep, bound = balls, Bound.DIRECTIONAL
         enough = sleep >= min(horizon, STEPS_TOO_FEW * floor)
-        if sleep >= horizon or (enough and not self._pair.whole.due()):
+        if sleep >= horizon or (enough and not self._tuning.whole.due()):
             return sleep, bound
         cheap = max(sleep, floor)
         farther = shortened(here.time, self._whole(min(horizon, WHOLE_LOOKAHEAD * cheap)))
         suffices = farther >= min(horizon, WHOLE_SUFFICES * cheap)
         if enough:
-            self._pair.whole.tell(suffices)
+            self._tuning.whole.tell(suffices)
         elif not suffices:
             farther = max(farther, shortened(here.time, self._between_triangles(horizon, cheap)))
         return (farther, Bound.DIRECTIONAL) if farther > sleep else (sleep, bound)
@@ -98,7 +129,7 @@ class SeparationSleep:
         if here.proximity is None and parted > self._keeps:
             return Proof(min(parted, here.clearance), 0.0)
         proof = motion_bound.proof(motion, here.state, here.clearance, duration, after.clearance)
-        if self._slab.known is None and self._slabs.known is None and proof.clearance <= self._keeps:
+        if not self._slab.asked and self._slabs.known is None and proof.clearance <= self._keeps:
             self._slab.until(duration)
             self._slabs.until(duration)
         if self._slab.known is not None:
@@ -118,13 +149,12 @@ class SeparationSleep:
 
         They look farther ahead each time they lasted as long as they looked, and less far where there were too many.
         """
-        factor = self._pair.lookahead
-        ahead = min(horizon, factor * cheap)
+        ahead = min(horizon, self._tuning.lookahead * cheap)
         slabs = self._slabs.until(ahead)
         if slabs is None:
-            self._pair.lookahead = max(LEAST_LOOKAHEAD, 0.5 * factor)
+            self._tuning.too_many()
             return 0.0
         lasts = slabs.sleep(self._keeps)
         if lasts >= 0.9 * ahead:
-            self._pair.lookahead = min(MOST_LOOKAHEAD, 2.0 * factor)
+            self._tuning.lasted()
         return lasts

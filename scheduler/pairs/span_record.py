@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from ..model.events import PairKey, Span, Verdict
@@ -62,7 +62,6 @@ class SpanRecord:
     one; else if no longer than a crossing's tolerance.
 
     Attributes:
-        untold: the stretches that wait.
         touched: whether the pair has ever been in contact.
         end: s, up to when all is decided.
     """
@@ -72,7 +71,7 @@ class SpanRecord:
 
         `resolution` and `crossing`, s, limit the slivers that belong to breaches.
         """
-        self.untold: list[Stretch] = []
+        self._waiting: list[Stretch] = []
         self.touched = False
         self._key = key
         self._error = error
@@ -80,19 +79,28 @@ class SpanRecord:
         self._resolution, self._crossing = resolution, crossing
         self._last: list[Stretch] = []  # the span that grows; before a sliver, the breach that it may belong to
 
+    @property
+    def waiting(self) -> tuple[Stretch, ...]:
+        """The stretches that are not told yet."""
+        return tuple(self._waiting)
+
+    def replace(self, stretches: Sequence[Stretch]) -> None:
+        """Put stretches in the place of those that wait."""
+        self._waiting = list(stretches)
+
     def extend(
         self, until: float, verdict: Verdict, clearance: float, depth_limit: float, nearest: float
     ) -> Iterator[Span]:
         """Add the stretch up to `until`, s; yield the spans that it ends."""
         if until <= self.end:
             return
-        self.untold.append(Stretch(self.end, until, verdict, clearance, depth_limit, nearest))
+        self._waiting.append(Stretch(self.end, until, verdict, clearance, depth_limit, nearest))
         self.end = until
         self.touched |= verdict is Verdict.CONTACT
         if self.touched:
             yield from self._tell()
-        elif len(self.untold) > MOST_STRETCHES:
-            self.untold = _coarser(self.untold)
+        elif len(self._waiting) > MOST_STRETCHES:
+            self._waiting = _coarser(self._waiting)
 
     def finish(self) -> Iterator[Span]:
         """Yield the spans that are left."""
@@ -102,7 +110,7 @@ class SpanRecord:
 
     def _tell(self) -> Iterator[Span]:
         """Join the waiting stretches to the last span, and yield each span that another follows."""
-        for stretch in self.untold:
+        for stretch in self._waiting:
             if self._last and stretch.verdict is not self._last[-1].verdict:
                 self._give_sliver_to_breach(stretch.verdict)
             if self._last and stretch.verdict is self._last[-1].verdict:
@@ -111,7 +119,7 @@ class SpanRecord:
             if not (self._last and self._last[-1].verdict is Verdict.BREACH and stretch.grazes):
                 yield from self._end()
             self._last.append(stretch)
-        self.untold.clear()
+        self._waiting.clear()
 
     def _give_sliver_to_breach(self, following: Verdict | None) -> None:
         """Make the last span part of the breach beside it if it is a sliver that belongs there."""

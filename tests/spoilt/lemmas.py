@@ -209,8 +209,8 @@ SPOILS = (
         "body-slabs-without-errors",
         "L4: errors of measurement are taken off a slab",
         "bounds.body_slab",
-        "self._lost = error + ROUNDING",
-        "self._lost = ROUNDING",
+        "lost = error + ROUNDING",
+        "lost = ROUNDING",
         "test_lemmas.py::test_errors_of_measurement_are_taken_off_slabs",
     ),
     Spoil(
@@ -305,8 +305,8 @@ SPOILS = (
         "containment-not-asked-after-contact",
         "L5: at a contact's end a point decides containment",
         "pairs.monitor",
-        "return self.pair.look_inside(measurement), Verdict.CONTACT, 0.0, nan",
-        "return measurement, Verdict.CONTACT, 0.0, nan",
+        "return self.pair.look_inside(measurement), Finding(Verdict.CONTACT, depth_limit=nan)",
+        "return measurement, Finding(Verdict.CONTACT, depth_limit=nan)",
         "test_lemmas_pairs.py::test_what_is_shot_into_a_solid_between_two_steps_is_in_contact",
     ),
     Spoil(
@@ -337,8 +337,8 @@ SPOILS = (
         "least-distance-at-its-upper-end",
         "T7: what is certified was kept by the sleeps",
         "pairs.least_distance",
-        "SeparationSleep(self._pair, measurement, keeps)",
-        "SeparationSleep(self._pair, measurement, 0.5 * keeps)",
+        "SeparationSleep(self._pair, measurement, keeps, self._tuning)",
+        "SeparationSleep(self._pair, measurement, 0.5 * keeps, self._tuning)",
         "test_minimum.py::test_the_bracket_of_a_gap_that_swings_is_tight",
     ),
     Spoil(
