@@ -251,7 +251,7 @@ def _facts(rng: Random, epoch: int) -> list[Fact]:
                 over = {"time_clear": last, "time_touching": last, "kind": 1, "point": {"y": -1.0}}
                 add("/collisions", last, pb.Collision(**pair, phase=finish, **over))
         for time in times:
-            woken = {"reason": rng.randrange(1, 10), "level": rng.randrange(1, 4), "bound": "lecture"}
+            woken = {"reason": rng.randrange(1, 10), "level": rng.choice((1, 3)), "bound": "displacement"}
             add("/wakeups", time, pb.Wakeup(**pair, clearance=rng.uniform(0.0, 3.0), sleep=0.25, **woken))
             measured = pb.Distance(**pair, distance=rng.uniform(2.0, 3.0), witness_a={"x": 1.0}, witness_b={"y": -2.0})
             measured.feature_a.kind = pb.Feature.VERTEX

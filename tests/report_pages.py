@@ -57,7 +57,7 @@ def hostile_log(path: Path) -> None:
     loaded = LoadedScene(source, source.read_bytes(), Scene(bodies, 0.0, 1.0, PairRules()), Settings(), (), (WARNING,))
     with LogWriter(path, loaded, Settings(), 3, LogOptions()) as log:
         for pair in (PairKey(0, 0, 1), PairKey(1, 0, 2), PairKey(2, 1, 2)):
-            log.write(Wakeup(0.0, pair, Reason.START, Level.SPHERE, Bound.LECTURE, 2.0, 1.0))
+            log.write(Wakeup(0.0, pair, Reason.START, Level.SPHERE, Bound.SPEED_ACCELERATION, 2.0, 1.0))
             log.write(Span(pair, Verdict.CLEAR, 0.0, 1.0, 1.0, 0.0))
 
 
@@ -86,6 +86,6 @@ def made_up(
         "unresolved": [],
         "possible": [],
         "wakeups": 1,
-        "queries": {"sphere": 0, "hull": 0, "mesh": 1},
+        "queries": {"sphere": 0, "mesh": 1},
     }
     return pair | facts

@@ -198,6 +198,6 @@ def test_bodies_that_spin_on_the_spot_need_no_second_look():
     ]
     events = events_of(*bodies)
     wakeups = [event for event in events if isinstance(event, Wakeup)]
-    assert [wakeup.bound for wakeup in wakeups] == [Bound.DIRECTIONAL, Bound.NONE]
+    assert [wakeup.bound for wakeup in wakeups] == [Bound.SPHERE_SLABS, Bound.NONE]
     (span,) = [event for event in events if isinstance(event, Span)]
     assert span.clearance == pytest.approx(3.0 - 3.0**0.5, rel=1e-9)

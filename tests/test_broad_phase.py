@@ -268,7 +268,7 @@ def test_windows_of_now_do_not_clear_what_was_before_them() -> None:
         except StopIteration as ended:
             entered += ended.value
     ((_, _, watch),) = entered
-    plan = Plan(2.0, Reason.TIME_BOUND, Bound.LECTURE)
+    plan = Plan(2.0, Reason.TIME_BOUND, Bound.SPEED_ACCELERATION)
     list(watch.learn(watch.pair.measure(0.0)))
     assert crowd.retire(watch, plan) is None
     list(watch.learn(watch.pair.measure(crowd.next_tick)))

@@ -147,5 +147,5 @@ def test_a_spinning_box_deep_in_another_sleeps():
     (_, left) = [event for event in events if isinstance(event, Collision)]
     assert left.time == pytest.approx(8.0, abs=1e-6)
     contact = [e for e in events if isinstance(e, Wakeup) and e.reason in (Reason.START, Reason.CONTACT)]
-    assert (contact[0].bound, contact[0].sleep) == (Bound.DIRECTIONAL, pytest.approx(8.0, abs=1e-6))
+    assert (contact[0].bound, contact[0].sleep) == (Bound.INSCRIBED_SPHERES, pytest.approx(8.0, abs=1e-6))
     assert len([wakeup for wakeup in contact if wakeup.time < left.time]) <= 4

@@ -30,7 +30,7 @@ def collision(pair: int, phase: Phase, time: float) -> Collision:
 
 
 def wakeup(pair: int, time: float) -> Wakeup:
-    return Wakeup(time, PairKey(pair, 0, pair + 1), Reason.TIME_BOUND, Level.MESH, Bound.LECTURE, 0.0, 0.0)
+    return Wakeup(time, PairKey(pair, 0, pair + 1), Reason.TIME_BOUND, Level.MESH, Bound.SPEED_ACCELERATION, 0.0, 0.0)
 
 
 def drawn_run(rng) -> tuple[list[tuple[int, float, float]], list[Collision | Wakeup]]:

@@ -32,7 +32,7 @@ def log_writer(path: Path, scene: LoadedScene, epoch: int = 0) -> LogWriter:
 
 
 def wakeup(time: float) -> Wakeup:
-    return Wakeup(time, PairKey(0, 0, 1), Reason.KNOT, Level.HULL, Bound.DISPLACEMENT, 0.25, 0.5)
+    return Wakeup(time, PairKey(0, 0, 1), Reason.KNOT, Level.SPHERE, Bound.DISPLACEMENT, 0.25, 0.5)
 
 
 def salvaged(path: Path) -> list[int]:

@@ -49,7 +49,7 @@ def log(tmp_path: Path, scene: LoadedScene) -> Path:
     with LogWriter(tmp_path / "out.mcap", scene, Settings(), 1, LogOptions()) as writer:
         for k in range(100):
             time = k / 10
-            writer.write(Wakeup(time, PairKey(0, 0, 1), Reason.START, Level.MESH, Bound.LECTURE, 1.0, 0.1))
+            writer.write(Wakeup(time, PairKey(0, 0, 1), Reason.START, Level.MESH, Bound.SPEED_ACCELERATION, 1.0, 0.1))
     return tmp_path / "out.mcap"
 
 
@@ -85,7 +85,7 @@ def test_unfinished_log_is_called_unfinished(tmp_path, scene):
 
     def failing_run() -> None:
         with writer:
-            writer.write(Wakeup(0.0, PairKey(0, 0, 1), Reason.START, Level.MESH, Bound.LECTURE, 1.0, 0.1))
+            writer.write(Wakeup(0.0, PairKey(0, 0, 1), Reason.START, Level.MESH, Bound.SPEED_ACCELERATION, 1.0, 0.1))
             raise ZeroDivisionError
 
     with pytest.raises(ZeroDivisionError):
@@ -155,7 +155,9 @@ def written(path: Path, scene: LoadedScene, compression: Compression, chunk: int
         for k in range(5 * chunk):
             if k % chunk == 0:
                 writer._chunks.flush()
-            writer.write(Wakeup(k / 100, PairKey(0, 0, 1), Reason.START, Level.MESH, Bound.LECTURE, 1.0, 0.1))
+            writer.write(
+                Wakeup(k / 100, PairKey(0, 0, 1), Reason.START, Level.MESH, Bound.SPEED_ACCELERATION, 1.0, 0.1)
+            )
     return [k * 10_000_000 for k in range(5 * chunk)]
 
 

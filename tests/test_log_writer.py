@@ -53,7 +53,7 @@ OPEN_MESH = "open mesh: surface only"
 
 
 def wakeup(time: float) -> Wakeup:
-    return Wakeup(time, PAIR, Reason.KNOT, Level.HULL, Bound.DISPLACEMENT, 0.25, 0.5)
+    return Wakeup(time, PAIR, Reason.KNOT, Level.SPHERE, Bound.DISPLACEMENT, 0.25, 0.5)
 
 
 def distance(time: float) -> Distance:
@@ -128,7 +128,7 @@ def test_messages_say_what_the_events_said(tmp_path):
     woke = messages(log, "/wakeups")[0]
     assert (woke.pair, woke.pair_id, woke.body_a, woke.body_b) == ("gear|hammer", 0, "gear", "hammer")
     assert (woke.bound, woke.clearance, woke.sleep) == ("displacement", 0.25, 0.5)
-    assert (woke.reason, woke.level) == (pb.Wakeup.Reason.KNOT, pb.Wakeup.Level.HULL)
+    assert (woke.reason, woke.level) == (pb.Wakeup.Reason.KNOT, pb.Wakeup.Level.SPHERE)
     (measured,) = messages(log, "/distances")
     assert measured.distance == 0.125
     assert (measured.witness_b.x, measured.witness_b.y, measured.witness_b.z) == (4.0, 5.0, 6.0)

@@ -232,7 +232,7 @@ def test_a_body_at_rest_until_a_knot_is_not_slept_past_it():
 def test_two_boxes_on_one_conveyor_sleep_to_the_end_by_the_lectures_bound():
     moves = [Constant((2.0, 0.0, 0.0), O), Constant((2.0, 0.0, 0.0), O)]
     events = events_of(body("a", moves[0], box(1, 1, 1)), body("b", moves[1], box(1, 1, 1), pose=at(1.1)), end=100.0)
-    assert [e.bound.value for e in events if isinstance(e, Wakeup)] == ["lecture", ""]
+    assert [e.bound.value for e in events if isinstance(e, Wakeup)] == ["speed_acceleration", ""]
     (span,) = spans(events)
     assert (span.verdict, span.clearance) == (Verdict.CLEAR, pytest.approx(0.1, abs=1e-9))
 

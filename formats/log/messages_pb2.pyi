@@ -72,11 +72,9 @@ class Wakeup(_message.Message):
             __slots__ = ()
             UNKNOWN: _ClassVar[Wakeup.Level.Value]
             SPHERE: _ClassVar[Wakeup.Level.Value]
-            HULL: _ClassVar[Wakeup.Level.Value]
             MESH: _ClassVar[Wakeup.Level.Value]
         UNKNOWN: Wakeup.Level.Value
         SPHERE: Wakeup.Level.Value
-        HULL: Wakeup.Level.Value
         MESH: Wakeup.Level.Value
         def __init__(self) -> None: ...
     TIMESTAMP_FIELD_NUMBER: _ClassVar[int]

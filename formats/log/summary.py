@@ -36,7 +36,7 @@ SEVERITY = (Verdict.CONTACT, Verdict.BREACH, Verdict.UNRESOLVED, Verdict.POSSIBL
 _RANKS = {verdict: rank for rank, verdict in enumerate(SEVERITY)}
 
 # What answers a wakeup, from coarse to exact.
-LEVELS = (Level.SPHERE, Level.HULL, Level.MESH)
+LEVELS = (Level.SPHERE, Level.MESH)
 _LEVEL_RANKS = {level: rank for rank, level in enumerate(LEVELS)}
 
 

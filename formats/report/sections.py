@@ -30,9 +30,13 @@ _REASONS = {
 }
 
 _BOUNDS = {
-    "lecture": "speed and acceleration of all points: (√(v² + 2 a d) − v) / a",
+    "speed_acceleration": "speed and acceleration of all points: (√(v² + 2 a d) − v) / a",
     "displacement": "how far the known trajectories can move the bodies",
-    "directional": "motion across a slab that parts the bodies",
+    "sphere_slabs": "slabs between the bounding spheres",
+    "body_slab": "a slab between the whole bodies",
+    "triangle_slabs": "slabs between the triangles that are near each other",
+    "inscribed_spheres": "spheres inside both bodies go on overlapping",
+    "triangle_overlap": "two triangles go on overlapping",
     "time_resolution": "the least step",
     "contact_tolerance": "the step inside a bracket",
     "windows": "swept boxes that do not meet",

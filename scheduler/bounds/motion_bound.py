@@ -41,7 +41,7 @@ def sleep(
     near = motion.approach(state, horizon)
     lecture = _lecture_sleep(near, now, spend)
     if lecture >= horizon:
-        return horizon, Bound.LECTURE
+        return horizon, Bound.SPEED_ACCELERATION
     displaced = longest_sleep(lambda s: motion.displacement(state, s), spend, horizon, 2.0 * lecture)
     if displaced >= horizon:
         return horizon, Bound.DISPLACEMENT
@@ -49,7 +49,7 @@ def sleep(
         near = motion.approach(state, min(horizon, LOOKAHEAD * max(displaced, lecture)))
         lecture = max(lecture, _lecture_sleep(near, now, spend))
     displaced = shortened(now, displaced)
-    return (displaced, Bound.DISPLACEMENT) if displaced > lecture else (lecture, Bound.LECTURE)
+    return (displaced, Bound.DISPLACEMENT) if displaced > lecture else (lecture, Bound.SPEED_ACCELERATION)
 
 
 def proof(motion: RelativeMotion, state: PairState, before: float, duration: float, after: float) -> Proof:

@@ -28,10 +28,9 @@ class Reason(Enum):
 
 
 class Level(Enum):
-    """What measured the clearance: bounding spheres, hulls, or the exact meshes."""
+    """What measured the clearance: bounding spheres, or the exact meshes."""
 
     SPHERE = 1
-    HULL = 2
     MESH = 3
 
 
@@ -39,9 +38,13 @@ class Bound(Enum):
     """Which bound set the sleep that follows a wakeup."""
 
     NONE = ""
-    LECTURE = "lecture"
+    SPEED_ACCELERATION = "speed_acceleration"
     DISPLACEMENT = "displacement"
-    DIRECTIONAL = "directional"
+    SPHERE_SLABS = "sphere_slabs"
+    BODY_SLAB = "body_slab"
+    TRIANGLE_SLABS = "triangle_slabs"
+    INSCRIBED_SPHERES = "inscribed_spheres"
+    TRIANGLE_OVERLAP = "triangle_overlap"
     TIME_RESOLUTION = "time_resolution"
     CONTACT_TOLERANCE = "contact_tolerance"
     WINDOWS = "windows"

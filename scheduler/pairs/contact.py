@@ -49,7 +49,7 @@ class ContactSleep:
         if self._inner_balls is None:
             return 0.0, Bound.TIME_RESOLUTION
         sleep = self._inner_balls.sleep(touching.state, horizon, self._least)
-        return (sleep if sleep >= horizon else shortened(touching.time, sleep)), Bound.DIRECTIONAL
+        return (sleep if sleep >= horizon else shortened(touching.time, sleep)), Bound.INSCRIBED_SPHERES
 
     @cached_property
     def _inner_balls(self) -> InscribedSpheres | None:
@@ -64,7 +64,7 @@ class ContactSleep:
             if overlaps is None:
                 break
             sleep, depth = shortened(touching.time, overlaps.sleep()), overlaps.depth
-            best = _longer(best, (sleep, Bound.DIRECTIONAL))
+            best = _longer(best, (sleep, Bound.TRIANGLE_OVERLAP))
             if sleep < 0.9 * ahead:
                 break
         return _longer(best, self._while_deep(depth, touching, horizon))

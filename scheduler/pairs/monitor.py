@@ -18,6 +18,8 @@ from .separation import SeparationSleep, Tuning
 from .span_record import Cleared, SpanRecord
 from .step_floor import StepFloor
 
+#: The bounds that lose little of a separation: motion along them costs nothing.
+SLABS = frozenset({Bound.SPHERE_SLABS, Bound.BODY_SLAB, Bound.TRIANGLE_SLABS})
 #: From its clear side a bracket is walked by the bounds, but in steps no smaller than this share of it.
 BRACKET_SHARE = 1.0 / 8.0
 #: A margin's crossing is known to this share of the contact tolerance: so near that a breach's ends measure at the
@@ -137,7 +139,7 @@ class Monitor:
             return Plan(known.time + 0.5 * gap, Reason.REFINE, Bound.CONTACT_TOLERANCE)
         floor = min(self._floor.seconds, max(tolerance, BRACKET_SHARE * gap))
         sleep, bound = self._ahead.sleep(latest, floor)
-        if bound is Bound.DIRECTIONAL:  # nearly exact: what little it leaves is the bracket
+        if bound in SLABS:  # nearly exact: what little it leaves is the bracket
             floor = min(floor, tolerance)
         if sleep < floor:
             sleep, bound = floor, Bound.CONTACT_TOLERANCE

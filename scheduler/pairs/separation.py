@@ -101,25 +101,29 @@ class SeparationSleep:
         here = self._measurement
         balls = self._balls.until(horizon).sleep(self._keeps)
         if balls >= horizon:
-            return horizon, Bound.DIRECTIONAL
+            return horizon, Bound.SPHERE_SLABS
         if here.proximity is None and balls >= min(horizon, STEPS_TOO_FEW * floor):
-            return shortened(here.time, balls), Bound.DIRECTIONAL
+            return shortened(here.time, balls), Bound.SPHERE_SLABS
         spare = max(0.0, spendable(here.clearance) - self._keeps)  # as `proof` has it
         sleep, bound = motion_bound.sleep(self._pair.motion, here.state, here.time, spare, horizon)
         balls = shortened(here.time, balls)
         if balls > sleep:
-            sleep, bound = balls, Bound.DIRECTIONAL
+            sleep, bound = balls, Bound.SPHERE_SLABS
         enough = sleep >= min(horizon, STEPS_TOO_FEW * floor)
         if sleep >= horizon or (enough and not self._tuning.whole.due()):
             return sleep, bound
         cheap = max(sleep, floor)
-        farther = shortened(here.time, self._whole(min(horizon, WHOLE_LOOKAHEAD * cheap)))
-        suffices = farther >= min(horizon, WHOLE_SUFFICES * cheap)
+        whole = shortened(here.time, self._whole(min(horizon, WHOLE_LOOKAHEAD * cheap)))
+        if whole > sleep:
+            sleep, bound = whole, Bound.BODY_SLAB
+        suffices = whole >= min(horizon, WHOLE_SUFFICES * cheap)
         if enough:
             self._tuning.whole.tell(suffices)
         elif not suffices:
-            farther = max(farther, shortened(here.time, self._between_triangles(horizon, cheap)))
-        return (farther, Bound.DIRECTIONAL) if farther > sleep else (sleep, bound)
+            each = shortened(here.time, self._between_triangles(horizon, cheap))
+            if each > sleep:
+                sleep, bound = each, Bound.TRIANGLE_SLABS
+        return sleep, bound
 
     def proof(self, after: Measurement) -> Proof:
         """Return what is certain of the time until a later measurement; no jump lies between."""
