@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bisect import insort
 from math import inf
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,7 @@ from ..broad.box_grid import BoxGrid
 from ..geometry.arrays import FloatArray, IntArray
 from ..model.body_tree import ancestors, rigid_group
 from ..model.events import Collision, Nearness, Snapshot
-from ..model.extent import body_extents
+from ..model.extent import Extent, body_extents
 from ..model.pair_count import kinds_of
 from ..model.scene import bodies_of_pair, pair_id
 from ..model.world_poses import WorldPoses
@@ -46,6 +47,8 @@ class CrowdObserver:
         self._solid = np.array(sorted(extents), dtype=np.int64)
         self._middles = np.array([(*extents[k].ball.centre, 1.0) for k in sorted(extents)])
         self._radii = np.array([extents[k].ball.radius for k in sorted(extents)])
+        self._halves = np.array([_half_sides(extents[k]) for k in sorted(extents)])
+        self._rounding = np.array([extents[k].radii.max() for k in sorted(extents)])
         sides = [(place, pairing.sides.of(body, None)) for place, body in enumerate(self._solid.tolist())]
         self._unknown = [(place, side) for place, side in sides if side.unknown]
         _, self._kinds, self._allowed = kinds_of(self._scene.rules, self._solid)
@@ -69,16 +72,17 @@ class CrowdObserver:
         return Snapshot(time, search.poses, there, tuple(nearest), len(met), occasion)
 
     def _nearest(self, search: _Search, met: list[int], solid: IntArray) -> list[Nearness]:
-        """Measure the pairs whose balls are near, farther and farther out until no other can be among the nearest.
+        """Measure the pairs that are near, farther and farther out until no other can be among the nearest.
 
         Those in contact come first: where they are enough, none is nearer.
         """
-        centres, radii = self._balls(search)
+        bounds = self._bounds(search)
+        centres, radii = bounds.centres, bounds.radii
         for pair in met[: self._most_pairs]:
             self._measured(pair, search)
         whole = float(np.linalg.norm(np.ptp(centres, axis=0)) + 2.0 * radii.max())
         while True:
-            for pair, gap in self._gaps(solid, centres, radii):
+            for pair, gap in self._gaps(solid, bounds):
                 if len(met) >= self._most_pairs or gap > search.farthest:
                     break
                 self._measured(pair, search)
@@ -89,29 +93,39 @@ class CrowdObserver:
             self._reach = max(search.farthest, self._usual)
         return search.nearest
 
-    def _gaps(self, solid: IntArray, centres: FloatArray, radii: FloatArray) -> list[tuple[int, float]]:
-        """Return the pairs of bodies that the rules allow, that may part and whose balls are in reach, by gap (m)."""
+    def _gaps(self, solid: IntArray, bounds: _Bounds) -> list[tuple[int, float]]:
+        """Return the pairs of bodies that the rules allow, that may part and whose balls are in reach, by gap (m).
+
+        A gap is that of the balls or of the boxes, whichever is larger: the bodies are no nearer.
+        """
+        centres, radii, halves, rounding = bounds
         grid = BoxGrid(len(radii))
-        halves = (radii[solid] + 0.5 * self._reach)[:, None]
-        grid.put(solid, centres[solid] - halves, centres[solid] + halves)
+        reach = (radii[solid] + 0.5 * self._reach)[:, None]
+        grid.put(solid, centres[solid] - reach, centres[solid] + reach)
         one, other = grid.meeting(solid[self._asking[solid]])
         wanted = self._allowed[self._kinds[one], self._kinds[other]]
         one, other = one[wanted], other[wanted]
-        gaps = np.linalg.norm(centres[one] - centres[other], axis=1) - radii[one] - radii[other]
+        between = np.abs(centres[one] - centres[other])
+        boxes = np.linalg.norm(np.maximum(0.0, between - halves[one] - halves[other]), axis=1)
+        boxes -= rounding[one] + rounding[other]
+        gaps = np.maximum(np.linalg.norm(between, axis=1) - radii[one] - radii[other], boxes)
         first, second = self._solid[np.minimum(one, other)], self._solid[np.maximum(one, other)]
         part = self._anchors[first] != self._anchors[second]
         numbers = pair_id(first[part], second[part], len(self._anchors))
         order = np.lexsort((numbers, gaps[part]))
         return list(zip(numbers[order].tolist(), gaps[part][order].tolist(), strict=True))
 
-    def _balls(self, search: _Search) -> tuple[FloatArray, FloatArray]:
-        """Return the middles (m, 3) m and radii (m,) m of balls around the solid bodies, or around what may be."""
-        centres = np.einsum("nij,nj->ni", search.poses[self._solid], self._middles)[:, :3]
+    def _bounds(self, search: _Search) -> _Bounds:
+        """Return the balls and boxes around the solid bodies, or around what may be."""
+        poses = search.poses[self._solid]
+        centres = np.einsum("nij,nj->ni", poses, self._middles)[:, :3]
+        halves = np.einsum("nij,nj->ni", np.abs(poses[:, :3, :3]), self._halves)
         radii = self._radii.copy()
         for place, side in self._unknown:
             centres[place] = side.chain.at(search.time).centre
             radii[place] = side.chain.ball.radius + sum(limits.reach(search.time) for limits in side.unknown)
-        return centres, radii
+            halves[place] = radii[place]
+        return _Bounds(centres, radii, halves, self._rounding)
 
     def _measured(self, number: int, search: _Search) -> Nearness | None:
         """Measure a pair, once in a search; None where it is not to be checked."""
@@ -140,6 +154,28 @@ class CrowdObserver:
 
     def _bodies_of(self, number: int) -> tuple[int, int]:
         return bodies_of_pair(number, len(self._anchors))
+
+
+class _Bounds(NamedTuple):
+    """Balls and boxes around bodies, about the same centres, all in m.
+
+    Attributes:
+        centres: (m, 3).
+        radii: (m,) of the balls.
+        halves: (m, 3), half the sides of the boxes, along the world's axes.
+        rounding: (m,): a body lies within so much of its box.
+    """
+
+    centres: FloatArray
+    radii: FloatArray
+    halves: FloatArray
+    rounding: FloatArray
+
+
+def _half_sides(extent: Extent) -> FloatArray:
+    """Return half the sides (3,) m of a box about the middle of a body, along its axes, that holds its points."""
+    halves: FloatArray = np.abs(extent.points - extent.ball.centre).max(axis=0)
+    return halves
 
 
 class _Search:
