@@ -13,7 +13,7 @@ import os
 import platform
 from collections.abc import Callable, Iterator
 
-from . import crowds, ideal, jobs, log_share, many_bodies, nothing, peers, python_share, start_up
+from . import crowds, ideal, jobs, log_share, many_bodies, mechanisms, nothing, peers, python_share, start_up
 from .table import HEAD, Row
 
 PARTS: dict[str, tuple[Callable[[], Iterator[Row]], Callable[[], Iterator[Row]]]] = {
@@ -24,6 +24,7 @@ PARTS: dict[str, tuple[Callable[[], Iterator[Row]], Callable[[], Iterator[Row]]]
     "start": (lambda: start_up.rows(8), lambda: start_up.rows(6)),
     "log": (lambda: log_share.rows(40, 5.0), lambda: log_share.rows(12, 1.0)),
     "nothing": (lambda: nothing.rows(100_000, 120), lambda: nothing.rows(10_000, 60)),
+    "mechanisms": (lambda: mechanisms.rows(1.0), lambda: mechanisms.rows(0.05)),
     "jobs": (lambda: jobs.rows(2, 44, 30.0), lambda: jobs.rows(2, 12, 1.0)),
     "bodies": (
         lambda: many_bodies.rows([100, 1000, 10_000, 100_000], 20.0),
