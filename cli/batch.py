@@ -1,4 +1,4 @@
-"""Many scenes in one go: one table, the worst exit code, and a failure does not stop the rest."""
+"""Several scenes: one table and the worst exit code. A failure does not stop the remaining scenes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from .terminal import cell
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What became of one scene: its log and result, or None where it failed, and the exit code it asks for."""
+    """The outcome of one scene: its log, its result (None if it failed) and its exit code."""
 
     scene: Path
     log: Path
@@ -50,20 +50,20 @@ def run_many(scenes: Sequence[Path], folder: Path, options: RunOptions) -> int:
 
 
 def log_names(scenes: Sequence[Path]) -> list[str]:
-    """Return a log's name for each scene: the file's own, or its folder's where the file is just called scene."""
+    """Return the name of each scene's log: the name of the file, or of its folder if the file is called scene."""
     names = [f"{_folder_name(scene) if scene.stem == 'scene' else scene.stem}.mcap" for scene in scenes]
     twice = sorted(name for name, count in Counter(names).items() if count > 1)
     if twice:
-        raise click.UsageError(f"Several scenes would write {', '.join(twice)}; run them apart.")
+        raise click.UsageError(f"Several scenes would write {', '.join(twice)}; run them separately.")
     return names
 
 
 def _folder_name(scene: Path) -> str:
-    return os.path.basename(os.path.dirname(os.path.realpath(scene)))  # which takes links that lead nowhere, too
+    return os.path.basename(os.path.dirname(os.path.realpath(scene)))  # realpath accepts broken links too
 
 
 def _run_one(scene: Path, log: Path, options: RunOptions) -> Outcome:
-    """Run one scene, telling its faults on stderr."""
+    """Run one scene; print its errors on stderr."""
     try:
         result = run_job(scene, log, options)
     except (SceneError, LogError, WorkerError) as fault:
@@ -75,10 +75,10 @@ def _run_one(scene: Path, log: Path, options: RunOptions) -> Outcome:
 
 
 def _print_table(outcomes: Sequence[Outcome]) -> None:
-    """Print a row a scene."""
+    """Print one row per scene."""
     rows = []
     for outcome in outcomes:
-        worst, found = "failed", "told on stderr"
+        worst, found = "failed", "see the errors above"
         if outcome.result is not None:
             counts = outcome.result.summary["totals"]["pairs"]
             worst = next((verdict for verdict in VERDICTS if counts[verdict]), "no pairs")
@@ -89,7 +89,7 @@ def _print_table(outcomes: Sequence[Outcome]) -> None:
 
 
 def _as_json(outcome: Outcome) -> dict[str, object]:
-    """Return what is printed of one scene: its summary and seconds, or null where it failed."""
+    """Return the JSON value of one scene: its summary and seconds, or null if it failed."""
     told: dict[str, object] = {"scene": str(outcome.scene), "log": None, "exit": outcome.code, "summary": None}
     if outcome.result is not None:
         summary = {**outcome.result.summary, "seconds": outcome.result.seconds}

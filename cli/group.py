@@ -1,4 +1,4 @@
-"""The `closecall` group; each subcommand is a module, imported when it is asked for."""
+"""The `closecall` group; it imports the module of a subcommand when the user names that subcommand."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ import click
 
 from closecall import __version__
 
-#: Set by the shell's function when it asks for what may come next.
+#: The shell sets this variable when it requests completions.
 VARIABLE = "_CLOSECALL_COMPLETE"
 
 COMMANDS = {
-    "run": "Run a scene and write its certified log.",
-    "check": "Check a scene and tell what was understood.",
-    "summary": "Print what a log found, worst pairs first.",
-    "report": "Write what a log found as one page with map, curves and replay.",
-    "diff": "Compare a log with a golden one, by what they say.",
-    "export": "Write a log's messages as tables: CSV, NDJSON, Parquet.",
-    "extract": "Take a part of a log, or a file that travels with it.",
-    "completion": "Print what makes a shell complete closecall's commands.",
-    "schema": "Print the JSON Schema of the scene file.",
+    "run": "Run a scene and write a certified log.",
+    "check": "Validate a scene and print how it was read.",
+    "summary": "Print the results in a log, worst pairs first.",
+    "report": "Write an HTML report with a map, distance curves and a replay.",
+    "diff": "Compare the results of a log with those of a golden log.",
+    "export": "Convert the messages of a log to CSV, NDJSON or Parquet.",
+    "extract": "Extract part of a log, or a file attached to it.",
+    "completion": "Print the completion script for a shell.",
+    "schema": "Print the JSON Schema of scene files.",
 }
 
 
 class LazyGroup(click.Group):
-    """A group that imports a command's module only when the command is used."""
+    """A group that imports the module of a command only when the command runs."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Return the commands' names."""
@@ -46,21 +46,23 @@ class LazyGroup(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Return the command that the words name; of an unknown one say which it may have been."""
+        """Return the command that the words name; suggest a command for an unknown name."""
         from ..formats.scene.text.errors import quoted, suggestion
 
         name = args[0]
         if name not in COMMANDS and not name.startswith("-") and not ctx.resilient_parsing:
-            ctx.fail(f"no such command {quoted(name)}{suggestion(name, COMMANDS)}; there are {', '.join(COMMANDS)}")
+            ctx.fail(
+                f"no such command {quoted(name)}{suggestion(name, COMMANDS)}; the commands are {', '.join(COMMANDS)}"
+            )
         return super().resolve_command(ctx, args)
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Run the command; end quietly where the reader of its pipe went away, which click would call a failure."""
+        """Run the command; exit quietly if the reader of its pipe has closed it, which click reports as a failure."""
         try:
             code = super().invoke(ctx)
             sys.stdout.flush()
         except BrokenPipeError:
-            # what is still buffered goes nowhere, for it would fail again on the way out
+            # discard the buffered output: writing it at exit would fail again
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             sys.exit(128 + signal.SIGPIPE)
         return code
@@ -74,7 +76,7 @@ class LazyGroup(click.Group):
 @click.command(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
 @click.version_option(__version__, message="closecall %(version)s")
 def group() -> None:
-    """Do any of these moving bodies come too close, and when? Answered with a certificate.
+    """Prove whether moving bodies come too close, and when.
 
     \b
     Examples:

@@ -13,7 +13,7 @@ import click
 if TYPE_CHECKING:
     from ..formats.log.message_filter import Choice
 
-#: Verdicts that a run may be told to fail on.
+#: Verdicts on which a run can fail.
 FINDINGS = ("contact", "breach", "unresolved", "possible")
 
 #: Hz, of snapshots. Short runs take the least number, which still shows a curve; long runs take the most.
@@ -24,12 +24,15 @@ MOST_ASKED = 1_000_000
 
 MOST_JOBS = 1024
 
+#: Units that a length on the command line can have.
+LENGTH_UNITS = ("m", "cm", "mm", "um", "in", "ft")
+
 AnyFunction = TypeVar("AnyFunction", bound=Callable[..., Any])
 
 
 @dataclass(frozen=True, slots=True)
 class RunOptions:
-    """What the command line asks of a run; the options' help says what each means."""
+    """The options of a run; their help says what each means. Lengths are in m, times in s."""
 
     output: Path | None
     out_dir: Path | None
@@ -114,57 +117,118 @@ class _FileName(click.Path):
         return super().convert(value, param, ctx)
 
 
+class _Length(click.types.FloatParamType):
+    """A length >= 0 such as 2mm, as metres; a number without a unit is in metres."""
+
+    name = "length"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the length in m; a default is one already."""
+        from ..formats.scene.quantities.lengths import read_length
+
+        if isinstance(value, float):
+            return value
+        try:
+            length = read_length(value)
+        except ValueError:
+            self.fail(f"expected a length such as 2mm (units: {', '.join(LENGTH_UNITS)}), got {value!r}.", param, ctx)
+        if length < 0.0:
+            self.fail(f"expected 0 or more, got {value!r}.", param, ctx)
+        return length
+
+
+LENGTH = _Length()
 #: Only the name is checked here; reading or writing checks the file.
 FILE_NAME = _FileName(path_type=Path, readable=False)
 _CHOICE_OPTIONS = (
-    click.option("--topic", "topics", multiple=True, metavar="GLOB", help="Only such topics ('/spans', '/viz/*')."),
-    click.option(
-        "--pair", "pairs", multiple=True, metavar="GLOB", help="Only such pairs ('arm|*') or bodies ('tool*')."
-    ),
-    click.option("--from", "start", type=float, metavar="S", help="From this time on, scene seconds."),
-    click.option("--to", "end", type=float, metavar="S", help="Up to this time, scene seconds."),
+    click.option("--topic", "topics", multiple=True, metavar="GLOB", help="Select topics ('/spans', '/viz/*')."),
+    click.option("--pair", "pairs", multiple=True, metavar="GLOB", help="Select pairs ('arm|*') or bodies ('tool*')."),
+    click.option("--from", "start", type=float, metavar="S", help="Start at this scene time, in seconds."),
+    click.option("--to", "end", type=float, metavar="S", help="End at this scene time, in seconds."),
 )
 _SCENE_OPTIONS = (
     click.option(
-        "--mesh-root", "mesh_roots", multiple=True, type=FILE_NAME, metavar="DIR", help="Files may come from here too."
+        "--mesh-root",
+        "mesh_roots",
+        multiple=True,
+        type=FILE_NAME,
+        metavar="DIR",
+        help="Allow the scene to use files in this folder too.",
     ),
     click.option(
         "--max-bytes",
         type=click.IntRange(1),
         default=64 * 2**20,
         show_default=True,
-        help="A larger scene file is refused.",
+        help="Refuse a larger scene file.",
     ),
     click.option(
-        "--max-pairs", type=click.IntRange(1), default=5_000_000, show_default=True, help="More pairs are refused."
+        "--max-pairs",
+        type=click.IntRange(1),
+        default=5_000_000,
+        show_default=True,
+        help="Refuse more pairs than this when no broad phase is used.",
     ),
-    click.option("--strict", is_flag=True, help="Refuse a scene that gives any warning."),
+    click.option("--strict", is_flag=True, help="Treat warnings about the scene as errors."),
 )
 _OPTIONS = (
-    click.option("-o", "--output", type=FILE_NAME, metavar="LOG", help="The log to write; - for standard output."),
-    click.option("--out-dir", type=FILE_NAME, metavar="DIR", help="Write each scene's log into this folder."),
-    click.option("--time-resolution", type=float, metavar="S", help="Least step of the main loop, s."),
-    click.option("--contact-tolerance", type=float, metavar="S", help="Widest bracket of a begin or end, s."),
-    click.option("--margin", type=float, metavar="M", help="Nearer than this is a breach, m."),
+    click.option(
+        "-o", "--output", type=FILE_NAME, metavar="LOG", help="Write the log to this file; - means standard output."
+    ),
+    click.option("--out-dir", type=FILE_NAME, metavar="DIR", help="Write one log per scene into this folder."),
+    click.option("--time-resolution", type=float, metavar="S", help="Set the minimum step, in seconds."),
+    click.option(
+        "--contact-tolerance",
+        type=float,
+        metavar="S",
+        help="Set the maximum width of the bracket around the begin or end of a contact, in seconds.",
+    ),
+    click.option(
+        "--margin",
+        type=LENGTH,
+        metavar="LENGTH",
+        help="Report pairs closer than this as breaches: 2mm, 0.08in; a bare number is in metres.",
+    ),
     click.option(
         "--distance-tolerance",
         callback=_share,
-        metavar="SHARE",
-        help="Certify each least distance to this share of it, or none.  [default: 0.01]",
+        metavar="FRACTION",
+        help="Certify each minimum distance to within this fraction of it; none skips the search.  [default: 0.01]",
     ),
     click.option(
-        "--fail-on", callback=one_or_more_of(FINDINGS), metavar="WHAT", help=f"Exit 1 if found: {','.join(FINDINGS)}."
+        "--fail-on",
+        callback=one_or_more_of(FINDINGS),
+        metavar="VERDICTS",
+        help=f"Exit with 1 if a pair has one of these verdicts: {','.join(FINDINGS)}.",
     ),
-    click.option("--epoch", type=int, default=0, show_default=True, metavar="NS", help="Added to log times, ns."),
-    click.option("--compression", type=click.Choice(["zstd", "lz4", "none"]), default="zstd", show_default=True),
-    click.option("--attach-meshes/--no-attach-meshes", default=True, help="Keep the mesh files in the log, or not."),
+    click.option(
+        "--epoch",
+        type=int,
+        default=0,
+        show_default=True,
+        metavar="NS",
+        help="Add this offset to all log times, in nanoseconds.",
+    ),
+    click.option(
+        "--compression",
+        type=click.Choice(["zstd", "lz4", "none"]),
+        default="zstd",
+        show_default=True,
+        help="Compress the log with this method.",
+    ),
+    click.option(
+        "--attach-meshes/--no-attach-meshes",
+        default=True,
+        show_default=True,
+        help="Attach the mesh files to the log.",
+    ),
     *_SCENE_OPTIONS,
     click.option(
         "--broad-phase",
         type=click.Choice(["auto", "on", "off"]),
         default="auto",
         show_default=True,
-        help="Swept boxes clear distant pairs; auto: of more than 1000 pairs. Else each pair is watched throughout.",
+        help="Clear distant pairs by their swept boxes; auto does so for scenes with more than 1000 pairs.",
     ),
     click.option(
         "-j",
@@ -173,49 +237,49 @@ _OPTIONS = (
         show_default=True,
         callback=_jobs,
         metavar="N",
-        help="Processes that share the pairs, or auto: one a processor. The log is the same.",
+        help="Share the pairs among N processes; auto starts one per processor. The log does not depend on N.",
     ),
-    click.option("--cluster", metavar="ADDRESS", help="A Dask scheduler whose workers share the pairs instead."),
+    click.option("--cluster", metavar="ADDRESS", help="Share the pairs among the workers of this Dask scheduler."),
     click.option(
         "--log",
         type=click.Choice(["full", "certificate"]),
         default="full",
         show_default=True,
-        help="A certificate leaves out what only viewers need.",
+        help="Choose the content of the log; certificate omits the data for viewers.",
     ),
     click.option(
         "--topics",
         type=click.Choice(["single", "body"]),
         default="single",
         show_default=True,
-        help="Distances on one topic, or one a body.",
+        help="Write distances to a single topic, or to one topic per body.",
     ),
     click.option(
         "--rate",
         type=float,
-        show_default=f"{USUAL_RATE:g}; more in runs below {LEAST_SNAPSHOTS / USUAL_RATE:g} s, "
-        f"less above {MOST_SNAPSHOTS / USUAL_RATE:g} s: {MOST_SNAPSHOTS} in all",
+        show_default=f"{USUAL_RATE:g}; higher below {LEAST_SNAPSHOTS / USUAL_RATE:g} s of scene time, "
+        f"lower above {MOST_SNAPSHOTS / USUAL_RATE:g} s, for at most {MOST_SNAPSHOTS} snapshots",
         metavar="HZ",
         callback=_rate,
-        help="Snapshots for viewers; 0: only at collisions.",
+        help="Take this many snapshots per second for viewers; 0 takes them only at contacts.",
     ),
     click.option(
         "--viz-pairs",
         type=click.IntRange(1, 1000),
         default=10,
         show_default=True,
-        help="Nearest pairs in a snapshot.",
+        help="Show this many of the closest pairs in each snapshot.",
     ),
     click.option(
         "--viz-triangles",
         type=click.IntRange(0),
         default=1_000_000,
         show_default=True,
-        help="Triangles drawn; bodies beyond are boxes.",
+        help="Draw at most this many triangles; draw the remaining bodies as boxes.",
     ),
-    click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON instead of a table."),
-    click.option("-q", "--quiet", is_flag=True, help="Print no table, no warnings, no progress."),
-    click.option("-v", "--verbose", is_flag=True, help="Print what the run took as well."),
+    click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON."),
+    click.option("-q", "--quiet", is_flag=True, help="Print only errors."),
+    click.option("-v", "--verbose", is_flag=True, help="Also print the time that each stage took."),
 )
 
 

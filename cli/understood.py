@@ -16,7 +16,7 @@ from ..formats.scene.text.errors import counted
 from ..scheduler.geometry.arrays import IntArray
 from ..scheduler.model.pair_count import count_pairs
 from ..scheduler.model.scene import Body, Mesh, Scene
-from ..scheduler.motions import Ballistic, Delayed, Keyframes, Looped
+from ..scheduler.motions import Ballistic, Delayed, Keyframes, Looped, Trapezoid
 from ..scheduler.pairs.pair import Pair
 from ..scheduler.pairs.pair_factory import ignored_pairs
 from .show import console_for, print_rows
@@ -28,6 +28,9 @@ MOST_ROWS = 40
 MOST_NAMED = 8
 #: Stretches of a motion, from knot to knot, in which its top speed is sought. Of a longer one it is not told.
 MOST_STRETCHES = 20_000
+
+# The names that the scene file has for classes of other names.
+_MOTION_NAMES: dict[type, str] = {Looped: "keyframes", Trapezoid: "profile"}
 
 
 def understood(loaded: LoadedScene, pairs: int, margins: list[float]) -> dict[str, Any]:
@@ -232,7 +235,7 @@ def _motion_name(body: Body) -> str:
     motion = body.motion.motion if isinstance(body.motion, Delayed) else body.motion
     if isinstance(motion, Ballistic) and not any(motion.acceleration):
         return "constant"
-    return "keyframes" if isinstance(motion, Looped) else type(motion).__name__.lower()
+    return _MOTION_NAMES.get(type(motion)) or type(motion).__name__.lower()
 
 
 def _top_speeds(scene: Scene, body: Body) -> tuple[float, float]:

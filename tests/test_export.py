@@ -90,7 +90,7 @@ def test_rows_are_chosen_by_pair_body_and_time(log):
 @pytest.mark.parametrize("where", [["-o", "tables"], ["--topic", "/spans"]])
 def test_where_no_message_is_wanted_a_line_says_so_and_there_is_no_folder(log, tmp_path, where):
     done = closecall_inside("export", log, "--from", "1e6", *where, cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "no message matches\n")
+    assert (done.returncode, done.stderr) == (0, "no messages match\n")
     assert not list(tmp_path.iterdir())
     quiet = closecall_inside("export", log, "--from", "1e6", *where, "-q", cwd=tmp_path)
     assert quiet.stderr == ""
@@ -119,7 +119,7 @@ def columns_told(text: str) -> dict[str, str]:
     ("arguments", "code", "said"),
     [
         (["out.mcap"], 2, "Give one --topic"),
-        (["out.mcap", "--topic", "/spnas"], 2, "there are /wakeups, /distances"),
+        (["out.mcap", "--topic", "/spnas"], 2, "choose from /wakeups, /distances"),
         (["out.mcap", "--topic", "/spans", "--format", "parquet"], 2, "Parquet needs -o DIR"),
         (["out.mcap", "--topic", "/spans", "--from", "2", "--to", "1"], 2, "expected --from before --to"),
         (["none.mcap", "--topic", "/spans"], 2, "none.mcap: does not exist"),

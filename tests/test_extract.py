@@ -86,7 +86,7 @@ def test_a_part_outside_the_run_is_empty_and_a_log(log, tmp_path):
     assert read_summary(part)["time"] == [2.0, 2.0]
 
 
-@pytest.mark.parametrize(("times", "said"), [(["--from", "7"], "no listed pair matches in that time\n"), ([], "")])
+@pytest.mark.parametrize(("times", "said"), [(["--from", "7"], "no listed pair matches in this time\n"), ([], "")])
 def test_a_pair_that_has_no_spans_in_the_time_is_told(log, tmp_path, times, said):
     done = closecall_inside("extract", log, "--pair", "arm", *times, "-o", "part.mcap", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, said)
@@ -129,9 +129,9 @@ def test_a_part_of_a_cut_log_is_never_told_as_whole(log, tmp_path, choice):
 @pytest.mark.parametrize(
     ("arguments", "code", "said"),
     [
-        (["out.mcap", "scnee"], 2, "no file 'scnee' travels with it"),
+        (["out.mcap", "scnee"], 2, "has no complete attached file 'scnee'"),
         (["out.mcap", "--from", "1"], 2, "Give -o FILE"),
-        (["out.mcap", "scene", "--from", "1"], 2, "has no time"),
+        (["out.mcap", "scene", "--from", "1"], 2, "Select either an attached file"),
         (["out.mcap", "--from", "1", "-o", "out.mcap"], 2, "would overwrite the input"),
         (["out.mcap", "--from", "1", "-o", "nowhere/part.mcap"], 2, "there is no folder"),
         (["none.mcap"], 2, "does not exist"),

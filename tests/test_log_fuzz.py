@@ -41,7 +41,7 @@ READING = {
 }
 
 
-WORDS_OF_NONE = ("no message matches", "no listed pair matches in that time")
+WORDS_OF_NONE = ("no messages match", "no listed pair matches in this time")
 
 
 @pytest.fixture(scope="module")

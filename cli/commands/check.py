@@ -1,4 +1,4 @@
-"""`closecall check`: what scenes say, before they are run."""
+"""`closecall check`: validate scenes without running them."""
 
 from __future__ import annotations
 
@@ -18,9 +18,13 @@ if TYPE_CHECKING:
 @click.command("check")
 @click.argument("scenes", nargs=-1, required=True, type=FILE_NAME, metavar="SCENE...")
 @scene_options
-@click.option("--suggest-ignores", is_flag=True, help="Print pairs that touch at the start, ready to paste.")
-@click.option("--json", "as_json", is_flag=True, help="Print what was understood as JSON.")
-@click.option("-q", "--quiet", is_flag=True, help="Print faults alone.")
+@click.option(
+    "--suggest-ignores",
+    is_flag=True,
+    help="Print the pairs that touch at the start as a `pairs` section for the scene.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print as JSON how the scene was read.")
+@click.option("-q", "--quiet", is_flag=True, help="Print only errors.")
 def command(
     scenes: tuple[Path, ...],
     mesh_roots: tuple[Path, ...],
@@ -31,7 +35,7 @@ def command(
     as_json: bool,
     quiet: bool,
 ) -> int:
-    """Check each SCENE and tell what was understood: bodies, triangles, pairs, warnings.
+    """Validate SCENE and print how it was read: bodies, shapes, pairs, times and warnings.
 
     \b
     Examples:
@@ -78,7 +82,7 @@ def command(
 def _checked(
     loaded: LoadedScene, strict: bool, max_pairs: int
 ) -> tuple[LoadedScene, int, tuple[Pair, ...], list[float]]:
-    """Return the scene with its last warnings, how many pairs are to be checked, pairs to look at, and all margins (m).
+    """Return the scene with all warnings, how many pairs it checks, pairs that may touch at the start, and margins (m).
 
     Raises:
         SceneError: for more pairs than `max_pairs`, and under `strict` for any warning.
@@ -101,5 +105,5 @@ def _checked(
 
 
 def _as_json(scene: Path, understood: dict[str, Any] | None) -> dict[str, Any]:
-    """Return what is printed of one scene: what was understood, or null where it is refused."""
+    """Return the JSON value of one scene: how it was read, or null if it is refused."""
     return {"scene": str(scene), "exit": 2 if understood is None else 0, "understood": understood}

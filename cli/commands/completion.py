@@ -1,4 +1,4 @@
-"""`closecall completion`: what makes a shell complete commands, options and files."""
+"""`closecall completion`: completion scripts for shells."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ SHELLS = ("bash", "zsh", "fish")
 @click.command("completion")
 @click.argument("shell", type=click.Choice(SHELLS))
 def command(shell: str) -> int:
-    """Print the script that makes SHELL complete commands, options and files.
+    """Print the script with which SHELL completes commands, options and file names.
 
     \b
-    To have it in every new shell:
+    To install it for every new shell:
       bash  add to ~/.bashrc:  eval "$(closecall completion bash)"
       zsh   add to ~/.zshrc:   eval "$(closecall completion zsh)"
       fish  once:              closecall completion fish > ~/.config/fish/completions/closecall.fish

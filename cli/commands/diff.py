@@ -1,4 +1,4 @@
-"""`closecall diff`: whether a new log says what a golden one does."""
+"""`closecall diff`: compare a new log with a golden one."""
 
 from __future__ import annotations
 
@@ -9,35 +9,42 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..faults import exit_code_of, faults_reported
-from ..options import FILE_NAME
+from ..options import FILE_NAME, LENGTH
 
 if TYPE_CHECKING:
     from ...formats.log.diff.findings import Rules
 
 
 def _tolerance(name: str, unit: str, default: float, text: str) -> Callable[[Any], Any]:
-    return click.option(name, type=click.FloatRange(0.0), default=default, show_default=True, metavar=unit, help=text)
+    kind = LENGTH if unit == "LENGTH" else click.FloatRange(0.0)
+    return click.option(name, type=kind, default=default, show_default=True, metavar=unit, help=text)
 
 
 @click.command("diff")
 @click.argument("golden", type=FILE_NAME)
 @click.argument("new", type=FILE_NAME)
-@_tolerance("--time-tol", "S", 1e-6, "Times may differ by so much, s.")
-@_tolerance("--time-rtol", "SHARE", 0.0, "And by this share of the golden time.")
-@_tolerance("--distance-tol", "M", 1e-6, "Distances may differ by so much, m.")
-@_tolerance("--distance-rtol", "SHARE", 0.0, "And by this share of the golden distance.")
-@click.option("--within-brackets", is_flag=True, help="Minima agree where both logs' certified brackets allow it.")
+@_tolerance("--time-tol", "S", 1e-6, "Allow times to differ by this many seconds.")
+@_tolerance("--time-rtol", "FRACTION", 0.0, "Also allow this fraction of the golden time.")
+@_tolerance(
+    "--distance-tol", "LENGTH", 1e-6, "Allow distances to differ by this length: 0.01mm; a bare number is in metres."
+)
+@_tolerance("--distance-rtol", "FRACTION", 0.0, "Also allow this fraction of the golden distance.")
+@click.option(
+    "--within-brackets", is_flag=True, help="Accept different minimum distances if the certified brackets overlap."
+)
 @click.option(
     "--ignore",
     multiple=True,
     metavar="GLOB",
-    help="Leave out a pair ('arm|*'), a body ('tool*'), a topic ('/viz/*') or its field ('/wakeups.sleep').",
+    help="Ignore a pair ('arm|*'), a body ('tool*'), a topic ('/viz/*') or a field ('/wakeups.sleep').",
 )
-@click.option("--all", "every_topic", is_flag=True, help="Compare every message too, not only what was found.")
-@click.option("--limit", type=click.IntRange(1), default=10, show_default=True, help="Differences shown, at most.")
-@click.option("--json", "as_json", is_flag=True, help="Print all differences as JSON.")
-@click.option("--junit", type=FILE_NAME, metavar="FILE", help="Write a JUnit report, a case a pair.")
-@click.option("-q", "--quiet", is_flag=True, help="Print nothing; the exit code tells.")
+@click.option("--all", "every_topic", is_flag=True, help="Compare all messages, not only the results.")
+@click.option(
+    "--limit", type=click.IntRange(1), default=10, show_default=True, help="Print at most this many differences."
+)
+@click.option("--json", "as_json", is_flag=True, help="Print all differences as JSON, with lengths in metres.")
+@click.option("--junit", type=FILE_NAME, metavar="FILE", help="Write a JUnit report with one test case per pair.")
+@click.option("-q", "--quiet", is_flag=True, help="Print nothing; only set the exit code.")
 def command(
     golden: Path,
     new: Path,
@@ -48,10 +55,11 @@ def command(
     quiet: bool,
     **given: Any,
 ) -> int:
-    """Compare the log NEW with the log GOLDEN by what they say: verdicts, contacts, least distances.
+    """Compare the results of the log NEW with those of the log GOLDEN: verdicts, contacts, minimum distances.
 
-    Chunks, compression, channels, epoch and version play no part. Exit code: 0 the same, 1 different, 2 not
-    comparable, 3 damaged.
+    Chunks, compression, channels, epoch and version may differ. Exit code: 0 for equal results, 1 for different
+    results, 2 for logs that cannot be compared, 3 for a damaged log. The table gives lengths in the unit of the
+    golden log's scene.
 
     \b
     Examples:

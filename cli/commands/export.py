@@ -1,4 +1,4 @@
-"""`closecall export`: a log's messages as tables."""
+"""`closecall export`: the messages of a log as tables."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from ..terminal import say
     type=click.Choice(["csv", "ndjson", "parquet"]),
     default="csv",
     show_default=True,
-    help="Of the tables.",
+    help="Write tables in this format.",
 )
 @choice_options
-@click.option("-o", "--output", type=FILE_NAME, metavar="DIR", help="A file for every table, in here.")
-@click.option("-q", "--quiet", is_flag=True, help="Do not tell what was written.")
+@click.option("-o", "--output", type=FILE_NAME, metavar="DIR", help="Write one file per table into this folder.")
+@click.option("-q", "--quiet", is_flag=True, help="Do not print the names of the files.")
 def command(
     log: Path,
     kind: str,
@@ -36,9 +36,10 @@ def command(
     start: float | None,
     end: float | None,
 ) -> int:
-    """Write LOG's messages as tables: one topic to standard output, or each into a file of its own.
+    """Convert the messages of LOG to tables: one topic to standard output, or one file per topic.
 
-    Tables are wakeups, distances, collisions, spans, windows, world, tf and log; docs/tables.md tells their columns.
+    The tables are wakeups, distances, collisions, spans, windows, world, tf and log, in SI units. docs/tables.md
+    describes their columns.
 
     \b
     Examples:
@@ -57,9 +58,9 @@ def command(
     tables = chosen_tables(choice)
     if not tables:
         names = ", ".join(f"/{table.name}" for table in chosen_tables(Choice()))
-        raise click.BadParameter(f"matches no topic of a table; there are {names}.", param_hint="--topic")
+        raise click.BadParameter(f"matches no topic; choose from {names}.", param_hint="--topic")
     if output is None and (len(tables) > 1 or kind == "parquet"):
-        raise click.UsageError("Give one --topic, or -o DIR." if len(tables) > 1 else "Parquet needs -o DIR.")
+        raise click.UsageError("Give one --topic or -o DIR." if len(tables) > 1 else "Parquet needs -o DIR.")
     with faults_reported():
         raise_interrupts()
         if pairs:
@@ -72,5 +73,5 @@ def command(
                 for name, rows in sorted(done.rows.items()):
                     say(f"{output / f'{name}.{kind}'}: {rows} rows")
         if not (quiet or done.loss or any(done.rows.values())):
-            say("no message matches", to_stderr=True)
+            say("no messages match", to_stderr=True)
         return exit_code_of(done.loss)

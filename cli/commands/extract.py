@@ -1,4 +1,4 @@
-"""`closecall extract`: a part of a log as a log, or a file that travels with it."""
+"""`closecall extract`: part of a log as a log, or a file attached to it."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from ..terminal import say
 @click.argument("log", type=FILE_NAME)
 @click.argument("name", required=False)
 @choice_options
-@click.option("-o", "--output", type=FILE_NAME, metavar="FILE", help="The log or file to write.")
-@click.option("-q", "--quiet", is_flag=True, help="Do not tell what was taken.")
+@click.option("-o", "--output", type=FILE_NAME, metavar="FILE", help="Write the log or the attached file to this file.")
+@click.option("-q", "--quiet", is_flag=True, help="Do not print the number of messages.")
 def command(
     log: Path,
     name: str | None,
@@ -28,9 +28,10 @@ def command(
     start: float | None,
     end: float | None,
 ) -> int:
-    """Take a part of LOG as a log of its own; or the file NAME that travels with it; or list such files.
+    """Extract part of LOG as a new log, or the attached file NAME. Without options, list the attached files.
 
-    A part holds what is of its time, pairs and topics; spans and contacts that reach into the time are kept whole.
+    The part holds the messages of the selected time, pairs and topics. It keeps whole every span and contact that
+    overlaps the selected time.
 
     \b
     Examples:
@@ -43,9 +44,9 @@ def command(
     choice = choice_of(topics, pairs, start, end)
     chosen = bool(topics or pairs or start is not None or end is not None)
     if name is not None and chosen:
-        raise click.UsageError("A file that travels with the log has no time, pairs or topics.")
+        raise click.UsageError("Select either an attached file, or messages by time, pair or topic.")
     if chosen and output is None:
-        raise click.UsageError("Give -o FILE for the part.")
+        raise click.UsageError("Give -o FILE for the extracted log.")
     with faults_reported():
         raise_interrupts()
         if name is not None:
@@ -63,12 +64,12 @@ def command(
         if not quiet:
             say(f"{output}: {part.messages} of {part.of} messages")
             if pairs and not part.pairs and part.loss is None:
-                say("no listed pair matches in that time", to_stderr=True)
+                say("no listed pair matches in this time", to_stderr=True)
         return exit_code_of(part.loss)
 
 
 def _list_files(log: Path) -> int:
-    """Print the files that travel with a log: bytes, type, name. Tell what of the log cannot be read, too."""
+    """Print the attached files: bytes, type, name. Report what cannot be read in the log."""
     from ...formats.log.reader import LogReader
 
     with LogReader(log) as reader:
@@ -81,7 +82,7 @@ def _list_files(log: Path) -> int:
 
 
 def _take_file(log: Path, name: str, output: Path | None) -> int:
-    """Write a file that travels with a log, to standard output if nowhere else."""
+    """Write an attached file, by default to standard output."""
     from ...formats.log.container.pipe import STDOUT
     from ...formats.log.errors import DamagedLogError, LogError
     from ...formats.log.reader import LogReader
@@ -90,7 +91,7 @@ def _take_file(log: Path, name: str, output: Path | None) -> int:
         file = next(reader.attachments(name), None)
     if file is None:
         kind = LogError if reader.loss is None else DamagedLogError
-        raise kind(log, f"no file {name!r} travels with it, or not whole", f"see closecall extract {log}")
+        raise kind(log, f"has no complete attached file {name!r}", f"list the files with closecall extract {log}")
     if output is None or output == STDOUT:
         sys.stdout.buffer.write(file.data)
         return 0

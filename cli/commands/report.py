@@ -1,4 +1,4 @@
-"""`closecall report`: a log as one page for people."""
+"""`closecall report`: a log as an HTML page."""
 
 from __future__ import annotations
 
@@ -15,10 +15,16 @@ from ..terminal import say
 
 @click.command("report")
 @click.argument("log", type=FILE_NAME)
-@click.option("-o", "--output", type=FILE_NAME, metavar="PAGE", help="The page; - for standard output.")
-@click.option("-q", "--quiet", is_flag=True, help="Do not tell where the page is.")
+@click.option(
+    "-o",
+    "--output",
+    type=FILE_NAME,
+    metavar="PAGE",
+    help="Write the page to this file; - means standard output.  [default: LOG with the suffix .html]",
+)
+@click.option("-q", "--quiet", is_flag=True, help="Do not print the name of the page.")
 def command(log: Path, output: Path | None, quiet: bool) -> int:
-    """Write what LOG found as one HTML page, which needs no network; without -o beside the log, under its name.
+    """Write the results in LOG as one HTML page, which needs no network. Lengths are in the unit of the scene.
 
     \b
     Examples:

@@ -15,37 +15,39 @@ from ..options import FILE_NAME, RunOptions, run_options
 @click.argument("scenes", nargs=-1, required=True, type=FILE_NAME, metavar="SCENE...")
 @run_options
 def command(scenes: tuple[Path, ...], **given: Any) -> int:
-    """Run SCENE and write its certified log; with --out-dir, run many.
+    """Run SCENE and write a certified log. With --out-dir, run several scenes.
+
+    For every pair and every instant the log states what is proved: clear, breach, contact, possible or unresolved.
 
     \b
     Examples:
       closecall run scene.yaml -o out.mcap
-      closecall run scene.yaml -o out.mcap --margin 0.002 --fail-on contact,breach
+      closecall run scene.yaml -o out.mcap --margin 2mm --fail-on contact,breach
       closecall run sample_scenes/spinning_bar/scene.yaml scene.yaml --out-dir logs --log certificate
       closecall run scene.yaml -o - --log certificate > out.mcap
       closecall run scene.yaml -o out.mcap --json
     """
     options = RunOptions(**given)
     if (options.output is None) is (options.out_dir is None):
-        raise click.UsageError("Give either -o LOG, or --out-dir DIR.")
+        raise click.UsageError("Give either -o LOG or --out-dir DIR.")
     if options.jobs > 1 and options.cluster is not None:
-        raise click.UsageError("Give either --jobs, or --cluster.")
+        raise click.UsageError("Give either --jobs or --cluster.")
     if options.out_dir is not None:
         from ..batch import run_many
 
         return run_many(scenes, options.out_dir, options)
     scene, *others = scenes
     if others:
-        raise click.UsageError("Several scenes need --out-dir DIR instead of -o.")
+        raise click.UsageError("Use --out-dir DIR instead of -o for several scenes.")
     assert options.output is not None
     return _run_one(scene, options.output, options)
 
 
 def options_of(scene: Path, output: Path, words: Sequence[str]) -> RunOptions:
-    """Return the options of a run of one scene, given as on the command line.
+    """Return the options of a run of one scene, written as on the command line.
 
     Raises:
-        click.UsageError: for words that are no options of a run.
+        click.UsageError: for words that are not options of a run.
     """
     context = command.make_context("closecall run", [str(scene), "-o", str(output), *words])
     return RunOptions(**{name: value for name, value in context.params.items() if name != "scenes"})
@@ -59,7 +61,7 @@ def _run_one(scene: Path, output: Path, options: RunOptions) -> int:
     from ..show import print_json, print_seconds, print_summary, print_warnings
 
     if output == STDOUT and options.as_json:
-        raise click.UsageError("--json and -o - both want standard output.")
+        raise click.UsageError("--json and -o - both write to standard output; choose one.")
     with faults_reported(output):
         result = run_job(scene, output, options)
     if not options.quiet:

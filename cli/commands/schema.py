@@ -1,4 +1,4 @@
-"""`closecall schema`: the JSON Schema of the scene file."""
+"""`closecall schema`: the JSON Schema of scene files."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import click
 
 @click.command("schema")
 def command() -> int:
-    """Print the JSON Schema of the scene file, for editors and generators.
+    """Print the JSON Schema of scene files, for editors and generators.
 
     \b
     Examples:

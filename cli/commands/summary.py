@@ -1,4 +1,4 @@
-"""`closecall summary`: what a log found."""
+"""`closecall summary`: the results in a log."""
 
 from __future__ import annotations
 
@@ -15,23 +15,25 @@ SORTS = ("severity", "distance", "time", "name", "wakeups")
 
 @click.command("summary")
 @click.argument("log", type=FILE_NAME)
-@click.option(
-    "--pair", "patterns", multiple=True, metavar="GLOB", help="Only these pairs ('arm|*') or bodies ('tool*')."
-)
+@click.option("--pair", "patterns", multiple=True, metavar="GLOB", help="Select pairs ('arm|*') or bodies ('tool*').")
 @click.option(
     "--verdict",
     "verdicts",
     callback=one_or_more_of(VERDICTS),
-    metavar="WHAT",
-    help=f"Only these: {','.join(VERDICTS)}.",
+    metavar="VERDICTS",
+    help=f"Select pairs with one of these verdicts: {','.join(VERDICTS)}.",
 )
-@click.option("--sort", type=click.Choice(SORTS), default="severity", show_default=True, help="Which pairs come first.")
-@click.option("--limit", type=click.IntRange(1), help="So many pairs at most.  [default: 20, in JSON all]")
-@click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON instead of a table.")
+@click.option(
+    "--sort", type=click.Choice(SORTS), default="severity", show_default=True, help="Sort the pairs by this key."
+)
+@click.option("--limit", type=click.IntRange(1), help="Print at most this many pairs.  [default: 20; all with --json]")
+@click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON, with lengths in metres.")
 def command(
     log: Path, patterns: tuple[str, ...], verdicts: tuple[str, ...], sort: str, limit: int | None, as_json: bool
 ) -> int:
-    """Print what LOG found, worst pairs first; of a log cut short or damaged, what is left.
+    """Print the results in LOG, worst pairs first. Of an incomplete or damaged log, print what can be read.
+
+    The table gives lengths in the unit of the scene.
 
     \b
     Examples:

@@ -10,24 +10,31 @@ from ....scheduler.geometry.arrays import FloatArray
 
 # (numerator, denominator) of a unit in metres: exact, so that 35 mm is 0.035 m and not 0.035000000000000003.
 # An inch is 25.4 mm by definition since 1959, a foot is 12 inches.
-_METRES = {"m": (1, 1), "cm": (1, 100), "mm": (1, 1000), "in": (127, 5000), "ft": (381, 1250)}
+METRES = {
+    "m": (1, 1),
+    "cm": (1, 100),
+    "mm": (1, 1000),
+    "um": (1, 1_000_000),
+    "in": (127, 5000),
+    "ft": (381, 1250),
+}
 
 
 def metres(value: float, unit: str) -> float:
-    """Return `value`, a length in `unit` (m, cm, mm, in or ft), in m."""
-    numerator, denominator = _METRES[unit]
+    """Return `value`, a length in `unit` (a key of METRES), in m."""
+    numerator, denominator = METRES[unit]
     return value * numerator / denominator
 
 
 def metres_of(values: FloatArray, unit: str) -> FloatArray:
     """Return an array of lengths in `unit`, of any shape, in m."""
-    numerator, denominator = _METRES[unit]
+    numerator, denominator = METRES[unit]
     return values * numerator / denominator
 
 
 def in_unit(value: float, unit: str) -> float:
     """Return a length in m in `unit`."""
-    numerator, denominator = _METRES[unit]
+    numerator, denominator = METRES[unit]
     return value * denominator / numerator
 
 
