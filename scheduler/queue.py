@@ -27,9 +27,9 @@ class WakeupQueue:
         self._ticks = count(_FIRST_TICK)
         self.turn: tuple[float, int] = (-inf, 0)
 
-    def push(self, time: float, reason: Reason, watch: Monitor) -> None:
+    def push(self, time: float, reason: Reason, monitor: Monitor) -> None:
         """Let a pair sleep until `time` (s)."""
-        heapq.heappush(self._heap, (time, watch.pair.key.id, reason, watch))
+        heapq.heappush(self._heap, (time, monitor.pair.key.id, reason, monitor))
 
     def push_tick(self, time: float) -> None:
         """Have windows end at `time` (s), unless that is never."""
@@ -44,6 +44,6 @@ class WakeupQueue:
         if not self._heap:
             self.turn = (inf, 0)
             return None
-        time, number, reason, watch = heapq.heappop(self._heap)
+        time, number, reason, monitor = heapq.heappop(self._heap)
         self.turn = (time, number)
-        return time, reason, watch
+        return time, reason, monitor

@@ -43,31 +43,31 @@ def run(
 
     # The first pair is pulled off the queue,
     while (first := queue.pop()) is not None:
-        time, reason, watch = first
+        time, reason, monitor = first
         # unless windows end before: then new ones begin, and the pairs whose boxes meet enter the queue.
-        if watch is None:
+        if monitor is None:
             assert crowd is not None
             for entering in (yield from crowd.meet()):
                 queue.push(*entering)
             queue.push_tick(crowd.next_tick)
             continue
         # and the distance measuring algorithm is run, at the poses A_i(t).
-        measurement = watch.pair.measure(time)
+        measurement = monitor.pair.measure(time)
         # If a collision has occurred, it is reported,
-        yield from watch.learn(measurement)
+        yield from monitor.learn(measurement)
         # and the pair goes back with t_min; if not, with a new lower bound on its time to collision: max(t_c, t_min).
-        plan = watch.plan()
+        plan = monitor.plan()
         # Where windows clear it for longer than that, it leaves the queue until they no longer do.
-        retired = crowd.retire(watch, plan) if crowd is not None and plan is not None else None
+        retired = crowd.retire(monitor, plan) if crowd is not None and plan is not None else None
         if retired is not None:
             plan = retired
         elif plan is not None:
-            queue.push(plan.time, plan.reason, watch)
+            queue.push(plan.time, plan.reason, monitor)
         sleep, bound = (max(0.0, plan.time - time), plan.bound) if plan else (0.0, Bound.NONE)
-        yield Wakeup(time, watch.pair.key, reason, measurement.level, bound, watch.clearance, sleep)
+        yield Wakeup(time, monitor.pair.key, reason, measurement.level, bound, monitor.clearance, sleep)
         # Decided up to its end, it is told how near the pair came.
         if plan is None:
-            yield from watch.finish()
+            yield from monitor.finish()
     # The queue runs empty when every wakeup would exceed the simulation time.
     if crowd is not None:
         yield from crowd.finish()

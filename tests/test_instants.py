@@ -54,9 +54,9 @@ class Camera:
     def __init__(self) -> None:
         self.asked: list[tuple[float, frozenset[int], Collision | None]] = []
 
-    def at(self, time, touching, occasion=None) -> Snapshot:
-        self.asked.append((time, touching, occasion))
-        return Snapshot(time, np.empty((0, 4, 4)), np.empty(0, dtype=bool), (), len(touching), occasion)
+    def at(self, time, touching, trigger=None) -> Snapshot:
+        self.asked.append((time, touching, trigger))
+        return Snapshot(time, np.empty((0, 4, 4)), np.empty(0, dtype=bool), (), len(touching), trigger)
 
 
 def test_snapshots_are_taken_with_the_pairs_that_touch_then_whenever_that_is_told() -> None:
@@ -67,12 +67,12 @@ def test_snapshots_are_taken_with_the_pairs_that_touch_then_whenever_that_is_tol
         times = np.sort(rng.uniform(0.0, 1.0, 20)).tolist()
         camera = Camera()
         list(observed(events, camera, times, RESOLUTION))
-        ticks = [(time, touching) for time, touching, occasion in camera.asked if occasion is None]
+        ticks = [(time, touching) for time, touching, trigger in camera.asked if trigger is None]
         assert ticks == [(t, frozenset(pair for pair, b, e in contacts if b <= t <= e)) for t in times]
-        for time, touching, occasion in camera.asked:
-            if occasion is not None:
-                assert time == occasion.time
-                assert occasion.pair.id in touching
+        for time, touching, trigger in camera.asked:
+            if trigger is not None:
+                assert time == trigger.time
+                assert trigger.pair.id in touching
                 assert touching <= {pair for pair, b, e in contacts if b <= time <= e + RESOLUTION}
                 together += len(touching) > 1
     assert together > 100

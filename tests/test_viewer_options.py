@@ -123,7 +123,7 @@ def test_same_run_gives_the_same_bytes_whatever_the_hash_seed(scene):
 def test_frames_repeat_themselves_byte_for_byte_and_start_is_not_told_twice(scene, shown):
     loaded = read_scene(scene, ())
     viewer = Viewer(loaded.scene, ViewerOptions())
-    tick = next(snapshot for snapshot in shown.snapshots if snapshot.occasion is None and snapshot.time > 1.0)
+    tick = next(snapshot for snapshot in shown.snapshots if snapshot.trigger is None and snapshot.time > 1.0)
     assert list(viewer.shown(tick, 7)) == list(viewer.shown(tick, 7))
     start = next(snapshot for snapshot in shown.snapshots if snapshot.time == loaded.scene.start)
     assert "/tf" not in {channel.name for channel, _ in viewer.shown(start, 7)}

@@ -57,15 +57,15 @@ def at(shown: Shown, topic: str) -> list[tuple[Snapshot, Any]]:
 
 
 def test_the_scene_has_ticks_and_both_ends_of_a_contact(shown):
-    phases = [snapshot.occasion.phase for snapshot in shown.snapshots if snapshot.occasion]
+    phases = [snapshot.trigger.phase for snapshot in shown.snapshots if snapshot.trigger]
     assert phases == [Phase.BEGIN, Phase.END]
-    assert sum(snapshot.occasion is None for snapshot in shown.snapshots) == 31  # 30 Hz over 1 s, and the end
+    assert sum(snapshot.trigger is None for snapshot in shown.snapshots) == 31  # 30 Hz over 1 s, and the end
 
 
 def test_every_tick_tells_all_moving_frames_where_the_oracle_has_them(scene, shown):
     kinematics = Kinematics(read_scene(scene))
     ticks = [(time, m) for time, m in shown.messages("/tf") if len(m.transforms) == len(MOVING)]
-    assert {time for time, _ in ticks} >= {round(s.time * 1e9) for s in shown.snapshots if s.occasion is None}
+    assert {time for time, _ in ticks} >= {round(s.time * 1e9) for s in shown.snapshots if s.trigger is None}
     for time, message in ticks:
         assert [transform.child_frame_id for transform in message.transforms] == MOVING
         for transform in message.transforms:
@@ -76,7 +76,7 @@ def test_every_tick_tells_all_moving_frames_where_the_oracle_has_them(scene, sho
 
 
 def test_a_collision_tells_the_frames_of_its_chains_alone(shown):
-    collisions = {round(snapshot.time * 1e9) for snapshot in shown.snapshots if snapshot.occasion}
+    collisions = {round(snapshot.time * 1e9) for snapshot in shown.snapshots if snapshot.trigger}
     found = {time: message for time, message in shown.messages("/tf") if time in collisions}
     assert len(found) == 2
     for message in found.values():
@@ -89,7 +89,7 @@ def test_chains_include_moving_ancestors(scene):
     )
     (scene.parent / "chain").mkdir()
     shown = show(write_scene(scene.parent / "chain", text), scene.parent / "chain.mcap", rate=0.0)
-    told = {round(s.time * 1e9): NAMES[s.occasion.pair.b] for s in shown.snapshots if s.occasion}
+    told = {round(s.time * 1e9): NAMES[s.trigger.pair.b] for s in shown.snapshots if s.trigger}
     assert "pin" in told.values()
     for time, message in shown.messages("/tf"):
         if told.get(time) == "pin":
@@ -144,7 +144,7 @@ def matrix_of_pose(pose) -> np.ndarray:
 def test_least_distance_is_that_of_brute_force(scene, shown):
     truth = Truth(scene)
     for snapshot, world in at(shown, "/world"):
-        if snapshot.occasion is not None:
+        if snapshot.trigger is not None:
             continue
         times = np.array([snapshot.time])
         true = {f"{a}|{b}": max(0.0, float(truth.signed(a, b, times)[0])) for a, b in truth.pairs()}
@@ -256,8 +256,8 @@ def test_contacts_are_marked_and_their_bodies_turn_red(shown):
     seen = 0
     for snapshot, update in at(shown, "/viz/contacts"):
         touching = [n for n in snapshot.nearest if n.verdict is Verdict.CONTACT]
-        if snapshot.occasion is not None and snapshot.occasion.phase is Phase.END:
-            touching = [n for n in touching if n.pair != snapshot.occasion.pair]
+        if snapshot.trigger is not None and snapshot.trigger.phase is Phase.END:
+            touching = [n for n in touching if n.pair != snapshot.trigger.pair]
         bodies = {NAMES[index] for n in touching for index in (n.pair.a, n.pair.b)}
         marks = {pair_name(n.pair): n for n in touching}
         assert {entity.id for entity in update.entities} == bodies | set(marks)

@@ -20,7 +20,7 @@ from ..narrow.slivers import EPSILON
 from .triangle_slabs import axes_between, roots
 
 #: Widths err by no more than this many eps times the points' coordinates.
-ROUNDING = 16.0 * EPSILON
+SLAB_ROUNDING = 16.0 * EPSILON
 #: The first trial lies this share below the root, where the width is just above zero.
 TRIAL_ROUNDING = 1e-9
 #: How often the time that the slab lasts is bracketed tighter.
@@ -112,7 +112,7 @@ def lasting_slab(
         slack: m/s, by which the velocities may be wrong.
     """
     horizon = near_future.horizon
-    lost = error + ROUNDING * max(float(np.abs(points.places).max()) for points in (one, other))
+    lost = error + SLAB_ROUNDING * max(float(np.abs(points.places).max()) for points in (one, other))
     axes = axes_between(nearest[0][None], nearest[1][None])[0]
     low, high = axes @ one.places.T + one.radii, axes @ other.places.T - other.radii
     widths = high.min(axis=1) - low.max(axis=1) - lost

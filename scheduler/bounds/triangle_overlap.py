@@ -31,7 +31,7 @@ PLANE_ERROR = 16.0 * EPSILON
 #: Triangles flatter than this are not thickened all around: their corners would stick out far.
 MOST_FLAT = 8.0
 #: Offsets of planes err by no more than this many eps times the corners' coordinates.
-ROUNDING = 16.0 * EPSILON
+OVERLAP_ROUNDING = 16.0 * EPSILON
 
 
 class TriangleOverlap:
@@ -62,7 +62,7 @@ class TriangleOverlap:
         shallowest = np.where(pointless, inf, offsets).argmin(axis=1)
         normals = directions[np.arange(len(directions)), shallowest][:, None]
         thickness = (near.radii + 2.0 * error)[:, None] * np.abs((directions * normals).sum(axis=2))
-        rounding = ROUNDING * (np.abs(near.one).max(axis=(1, 2)) + np.abs(near.other).max(axis=(1, 2)))
+        rounding = OVERLAP_ROUNDING * (np.abs(near.one).max(axis=(1, 2)) + np.abs(near.other).max(axis=(1, 2)))
         size, flatness = _shape(near)
         missed = PLANE_ERROR * size * flatness
         wider = np.where(flatness <= MOST_FLAT, 2.0 * (error + rounding + missed), 0.0) - missed

@@ -21,17 +21,17 @@ class ActivePairs:
     that time, or is in the queue with a valid wakeup, or has been decided up to its end.
     """
 
-    def __init__(self, pairing: PairFactory, settings: Settings, ticks: Iterable[Tick], share: Share = WHOLE) -> None:
+    def __init__(self, factory: PairFactory, settings: Settings, ticks: Iterable[Tick], share: Share = WHOLE) -> None:
         """Take what makes the scene's pairs; none is made yet. Of a share, only its pairs ever enter the queue.
 
         `ticks` are the broad phase's.
         """
-        self._pairing = pairing
+        self._factory = factory
         self._settings = settings
         self._share = share
         self._ticks = iter(ticks)
         self._tick = next(self._ticks, None)
-        self._bodies = len(pairing.scene.bodies)
+        self._bodies = len(factory.scene.bodies)
         self._history = WindowHistory(self._bodies)
         self._inside: set[int] = set()
         self._never: set[int] = set()
@@ -58,49 +58,49 @@ class ActivePairs:
             yield from _told(tick)
         entering = []
         for a, b in tick.meeting.tolist():
-            watch = self._watch(a, b)
-            if watch is None:
+            monitor = self._monitor_of(a, b)
+            if monitor is None:
                 continue
-            begin = watch.pair.start
-            if watch.decided < time:
-                yield from watch.clear(self._history.clearances(a, b, watch.decided, time))
+            begin = monitor.pair.start
+            if monitor.decided < time:
+                yield from monitor.clear(self._history.clearances(a, b, monitor.decided, time))
             first = time <= begin
-            entering.append((begin if first else time, Reason.START if first else Reason.WINDOW, watch))
+            entering.append((begin if first else time, Reason.START if first else Reason.WINDOW, monitor))
         return entering
 
-    def retire(self, watch: Monitor, plan: Plan) -> Plan | None:
+    def retire(self, monitor: Monitor, plan: Plan) -> Plan | None:
         """Return how long windows clear a pair that is to leave the queue; None where its own plan lasts longer.
 
         They have to clear it from when it is decided to: a last step that is to be tried finer is not.
         """
-        key = watch.pair.key
-        if not watch.parting or (until := self._history.cleared_until(key.a, key.b, watch.decided)) < plan.time:
+        key = monitor.pair.key
+        if not monitor.parting or (until := self._history.cleared_until(key.a, key.b, monitor.decided)) < plan.time:
             return None
         self._inside.discard(key.id)
-        self._outside[key.id] = watch
+        self._outside[key.id] = monitor
         return Plan(until, Reason.WINDOW, Bound.WINDOWS)
 
     def finish(self) -> Iterator[Event]:
         """Yield what is left to tell of the pairs that have left and never met again."""
-        for _, watch in sorted(self._outside.items()):
-            key, end = watch.pair.key, watch.pair.end
-            yield from watch.clear(self._history.clearances(key.a, key.b, watch.decided, end))
-            yield from watch.finish()
+        for _, monitor in sorted(self._outside.items()):
+            key, end = monitor.pair.key, monitor.pair.end
+            yield from monitor.clear(self._history.clearances(key.a, key.b, monitor.decided, end))
+            yield from monitor.finish()
 
-    def _watch(self, a: int, b: int) -> Monitor | None:
+    def _monitor_of(self, a: int, b: int) -> Monitor | None:
         """Return the watch of a pair that is to enter, made where it never has; None where it is in, or never does."""
         number = pair_id(a, b, self._bodies)
         if not self._share.has(number) or number in self._inside or number in self._never:
             return None
-        watch = self._outside.pop(number, None)
-        if watch is None:
-            pair = self._pairing.pair(a, b)
+        monitor = self._outside.pop(number, None)
+        if monitor is None:
+            pair = self._factory.pair(a, b)
             if pair is None:
                 self._never.add(number)
                 return None
-            watch = Monitor(pair, self._settings)
+            monitor = Monitor(pair, self._settings)
         self._inside.add(number)
-        return watch
+        return monitor
 
 
 def _told(tick: Tick) -> Iterator[Window]:

@@ -90,10 +90,10 @@ class BroadPhase(Iterator[Tick]):
         self._due[tick].append((start, body))
 
 
-def near_at_start(pairing: PairFactory) -> tuple[Pair, ...]:
+def near_at_start(factory: PairFactory) -> tuple[Pair, ...]:
     """Return the pairs that may touch when the first bodies are there."""
-    first = next(BroadPhase(pairing.scene, Sweeps(pairing)))
-    return tuple(pair for a, b in first.meeting.tolist() if (pair := pairing.pair(a, b)) is not None)
+    first = next(BroadPhase(factory.scene, Sweeps(factory)))
+    return tuple(pair for a, b in first.meeting.tolist() if (pair := factory.pair(a, b)) is not None)
 
 
 def _birth(begin: float, scene: Scene) -> float:

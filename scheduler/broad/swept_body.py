@@ -11,7 +11,7 @@ from ..geometry.arrays import FloatArray
 from ..geometry.rounding import RELATIVE_ROUNDING
 from ..geometry.vector import Vector
 from ..kinematics.chain import Chain, ChainState
-from ..kinematics.relative_motion import ROUNDING
+from ..kinematics.relative_motion import REACHABLE_BALL_ROUNDING
 from ..model.extent import Extent
 from ..motions import Interval
 from ..pairs.pair_factory import Side
@@ -70,7 +70,7 @@ class SweptBody:
         self._unknown = side.unknown
         self._radius = chain.ball.radius
         self._centre = chain.middle
-        self.error = chain.rounding(exists) + ROUNDING * self._grown(self.end)
+        self.error = chain.rounding(exists) + REACHABLE_BALL_ROUNDING * self._grown(self.end)
         self._level = 0
         self._chain: Chain | None = None
         if not side.unknown:

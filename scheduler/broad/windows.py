@@ -62,15 +62,15 @@ class WindowSource(Protocol):
 class Sweeps:
     """Makes windows as they are asked for."""
 
-    def __init__(self, pairing: PairFactory, share: Share = WHOLE) -> None:
+    def __init__(self, factory: PairFactory, share: Share = WHOLE) -> None:
         """Take the bodies of a scene with shapes that exist within its time, or a share of them."""
-        scene, self._bodies = pairing.scene, dict[int, SweptBody]()
-        for body, extent in pairing.sides.extents.items():
+        scene, self._bodies = factory.scene, dict[int, SweptBody]()
+        for body, extent in factory.sides.extents.items():
             exists = scene.shared_time(body, body)
             if share.has(body) and exists[0] < exists[1]:
-                side = pairing.sides.of(body, None)
+                side = factory.sides.of(body, None)
                 self._bodies[body] = SweptBody(side, extent, (scene.start, scene.end), exists)
-        self._guards = _guards(pairing, self._bodies)
+        self._guards = _guards(factory, self._bodies)
 
     def begins(self) -> Iterator[tuple[int, float]]:
         """Yield the bodies, and when (s) each exists from."""
@@ -121,19 +121,19 @@ class ToldWindows:
         return self._windows.taken(np.array(rows))
 
 
-def _guards(pairing: PairFactory, bodies: dict[int, SweptBody]) -> FloatArray:
+def _guards(factory: PairFactory, bodies: dict[int, SweptBody]) -> FloatArray:
     """Return by how much (n,) m each body's boxes are widened where they are held against others.
 
     Two of them are no less than the pair's margin and twice its error: what they clear is measured to be clear.
     """
-    margins = [pairing.margin] * len(pairing.scene.bodies)
-    for pairs, margin in pairing.scene.rules.margins:
+    margins = [factory.margin] * len(factory.scene.bodies)
+    for pairs, margin in factory.scene.rules.margins:
         for body in pairs.one | pairs.other:
             margins[body] = max(margins[body], margin)
     guards = np.zeros(len(margins))
     for body, swept in bodies.items():
-        measured = pairing.sides.of(body, None).measured
-        error = swept.error + pairing.narrow_phase.own_error(measured)
+        narrow_index = factory.sides.of(body, None).narrow_index
+        error = swept.error + factory.narrow_phase.own_error(narrow_index)
         guards[body] = 0.5 * margins[body] + 2.0 * error
     return guards
 

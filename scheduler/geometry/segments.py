@@ -8,7 +8,7 @@ from .arrays import FloatArray
 from .transform import crossed
 
 #: Segments whose directions differ by less (the squared sine) count as parallel.
-PARALLEL = 1e-12
+PARALLEL_EDGES = 1e-12
 #: The next corner of each.
 NEXT = [1, 2, 0]
 
@@ -57,7 +57,7 @@ def ways_between(p: FloatArray, d: FloatArray, q: FloatArray, e: FloatArray) -> 
     dd, ee, de = (d * d).sum(-1), (e * e).sum(-1), (d * e).sum(-1)
     dr, er = (d * r).sum(-1), (e * r).sum(-1)
     determinant = dd * ee - de * de
-    crossing = determinant > PARALLEL * dd * ee
+    crossing = determinant > PARALLEL_EDGES * dd * ee
     with np.errstate(divide="ignore", invalid="ignore"):
         s = np.where(crossing, (de * er - dr * ee) / determinant, 0.0).clip(0.0, 1.0)
         t = np.where(ee > 0.0, (de * s + er) / ee, 0.0).clip(0.0, 1.0)

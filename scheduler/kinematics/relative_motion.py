@@ -16,7 +16,7 @@ from .chain import Chain, ChainState, Part
 #: Relative to the two speeds, what their difference may lose to rounding.
 CANCELLATION = 1e-13
 #: Relative error granted to how far balls have grown.
-ROUNDING = 1e-14
+REACHABLE_BALL_ROUNDING = 1e-14
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,7 +90,7 @@ class RelativeMotion:
 
     def rounding(self, times: Interval) -> float:
         """Return how far (m) floating point may falsify a distance at any of the times."""
-        grown = ROUNDING * self.spread(times[1])
+        grown = REACHABLE_BALL_ROUNDING * self.spread(times[1])
         return self.a.rounding(times) + self.b.rounding(times) + grown
 
     def displacement(self, state: PairState, duration: float) -> float:

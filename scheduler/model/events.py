@@ -233,7 +233,7 @@ class Snapshot:
         there: (n,) which bodies exist.
         nearest: the nearest pairs, nearest first (ties by pair id); the first holds the least distance of all.
         contacts: how many pairs are in contact.
-        occasion: the collision it was taken for, None for a tick.
+        trigger: the collision it was taken for, None for a tick.
     """
 
     time: float
@@ -241,7 +241,7 @@ class Snapshot:
     there: NDArray[np.bool_]
     nearest: tuple[Nearness, ...]
     contacts: int
-    occasion: Collision | None
+    trigger: Collision | None
 
 
 Event = Wakeup | Distance | Collision | Span | Window | Snapshot

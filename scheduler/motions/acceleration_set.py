@@ -11,7 +11,7 @@ from ..geometry.transform import crossed, turned
 from ..geometry.vector import Vector, add, cross, dot, norm, scale, subtract
 
 #: Axes that differ by no more than this (the sine) are one: rounding of poses turns them by as much.
-PARALLEL = 1e-14
+PARALLEL_AXES = 1e-14
 
 
 class AccelerationSet(NamedTuple):
@@ -91,7 +91,7 @@ def across(axis: Vector | None, radius: float) -> AccelerationSet:
 
 def shared(one: Vector | None, other: Vector | None) -> Vector | None:
     """Return the axis that two unit vectors have in common, None where they are not parallel."""
-    if one is None or other is None or norm(cross(one, other)) > PARALLEL:
+    if one is None or other is None or norm(cross(one, other)) > PARALLEL_AXES:
         return None
     return one
 

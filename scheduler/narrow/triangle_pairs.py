@@ -21,7 +21,7 @@ MOST_BOXES_COMPARED = 2_000_000
 #: So many neighbouring triangles share a box.
 GROUP = 8
 #: Relative loss granted to the arithmetic of what is near.
-ROUNDING = 1e-9
+REACH_ROUNDING = 1e-9
 
 Rows = tuple[NDArray[np.intp], NDArray[np.intp]]
 
@@ -119,7 +119,7 @@ def near_rows(
     """
     relative = pose_one[:3, :3].T @ pose_other[:3, :3]
     shift = pose_one[:3, :3].T @ (pose_other[:3, 3] - pose_one[:3, 3])
-    limit = reach * (1.0 + ROUNDING)
+    limit = reach * (1.0 + REACH_ROUNDING)
     centres = 0.5 * (other.low + other.high) @ relative.T + shift
     halves = 0.5 * (other.high - other.low) @ np.abs(relative).T
     groups = _groups_near(one.low, one.high, centres - halves, centres + halves, limit)

@@ -37,7 +37,7 @@ class ContactSleep:
         best = self._while_balls_meet(touching, horizon)
         if best[0] < enough:
             best = _longer(best, self._while_deep(self._pair.depth(touching), touching, horizon))
-        sound = touching.inside is None and not (self._pair.possible or self._pair.coarse)
+        sound = touching.inside is None and not (self._pair.path_unknown or self._pair.coarse)
         if best[0] < enough and sound:
             best = _longer(best, self._while_overlapping(touching, horizon))
         if best[0] <= self._least:
@@ -53,7 +53,7 @@ class ContactSleep:
 
     @cached_property
     def _inner_balls(self) -> InscribedSpheres | None:
-        return None if self._pair.possible else self._pair.inscribed_spheres()
+        return None if self._pair.path_unknown else self._pair.inscribed_spheres()
 
     def _while_overlapping(self, touching: Measurement, horizon: float) -> tuple[float, Bound]:
         """Sleep while two triangles that meet go on meeting, by the way each corner goes or by how deep they meet."""

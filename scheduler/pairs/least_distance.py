@@ -38,7 +38,7 @@ TRIAL = 500
 #: A descent goes on while it may find so large a share of the tolerance more.
 WORTH_A_STEP = 0.25
 #: Bounding spheres settle a measurement above this many times the target.
-SPHERES_SUFFICE = 1.25
+FAR_IN_TARGETS = 1.25
 
 Found = Wakeup | Distance
 
@@ -182,16 +182,18 @@ class LeastDistance:
         It ends because each sleep is worth at least the tolerance, and because measurements are limited.
         """
         while True:
-            before, keeps = self.upper, min(goal, self.target)
-            measurement = self._measured(time, SPHERES_SUFFICE * keeps)
+            before, threshold = self.upper, min(goal, self.target)
+            measurement = self._measured(time, FAR_IN_TARGETS * threshold)
             if measurement.above < before:
                 yield from self._descend(measurement, time, end)
-                keeps = min(goal, self.target)
+                threshold = min(goal, self.target)
             stop = min(end, self._pair.motion.stop_after(time))  # joined stretches may hold jumps
             ahead = stop - time
             sleep, bound = 0.0, Bound.NONE
             if time < end:
-                sleep, bound = SeparationSleep(self._pair, measurement, keeps, self._tuning).sleep(ahead, self._floor)
+                sleep, bound = SeparationSleep(self._pair, measurement, threshold, self._tuning).sleep(
+                    ahead, self._floor
+                )
             yield from self._told(measurement, bound, sleep)
             if time >= end:
                 return True

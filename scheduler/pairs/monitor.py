@@ -53,7 +53,7 @@ class Monitor:
     """The state of one pair.
 
     Everything up to `known.time` is decided and told. `other`, if there is one, is a later measurement with another
-    standing (touching instead of clear, or clear instead of in breach): the change lies between the two, and the pair
+    status (touching instead of clear, or clear instead of in breach): the change lies between the two, and the pair
     is woken inside until they are no further apart than the tolerance.
 
     Attributes:
@@ -74,7 +74,7 @@ class Monitor:
         self._margin_tolerance = max(MARGIN_SHARE * settings.contact_tolerance, 8.0 * ulp(latest))
         tolerance = self._margin_tolerance if pair.margin > 0.0 else settings.contact_tolerance
         self._floor = StepFloor(settings, tolerance, latest)
-        self._hold = ContactSleep(pair, settings.time_resolution)
+        self._contact_sleep = ContactSleep(pair, settings.time_resolution)
         resolution = settings.time_resolution
         self._spans = SpanRecord(pair.key, pair.start, pair.error, resolution, self._margin_tolerance)
         self._near = False  # whether bounding spheres have not cleared it so far that its least distance may stay loose
@@ -91,13 +91,13 @@ class Monitor:
                 yield from self._change(measurement, measurement)
         else:
             measurement, finding = self._judge(known, measurement)
-            if measurement.standing is not known.standing:
+            if measurement.status is not known.status:
                 self._other = measurement
             elif known.hidden or measurement.hidden or not self._takes_back(measurement.time - known.time, finding):
                 yield from self._extend(known, measurement, finding)
                 self._stand_at(measurement)
         self.clearance = 0.0 if measurement.touching else measurement.clearance
-        if not self.pair.possible and (distance := self.pair.distance(measurement)) is not None:
+        if not self.pair.path_unknown and (distance := self.pair.distance(measurement)) is not None:
             yield distance
         yield from self._close_bracket()
 
@@ -118,7 +118,7 @@ class Monitor:
     def parting(self) -> bool:
         """Whether the pair was clear when it was last decided, and no later change waits for its bracket."""
         known = self._known
-        return self._other is None and known is not None and known.standing is Verdict.CLEAR
+        return self._other is None and known is not None and known.status is Verdict.CLEAR
 
     def clear(self, stretches: Iterable[Cleared]) -> Iterator[Event]:
         """Take in what windows cleared since all was decided; the pair is then looked at anew."""
@@ -164,15 +164,15 @@ class Monitor:
         return Plan(stop, Reason.KNOT if jump < self._end else Reason.END, bound)
 
     def _proved_sleep(self, known: Measurement, horizon: float) -> tuple[float, Bound]:
-        """Return how long (s) the pair's standing is certain to last.
+        """Return how long (s) the pair's status is certain to last.
 
         In breach it is certain that no contact begins; that the breach lasts, only as far as the time resolution.
         """
         if known.touching:
-            return self._hold.sleep(known, horizon)
+            return self._contact_sleep.sleep(known, horizon)
         sleep, bound = self._ahead.sleep(horizon, self._floor.seconds)
         least = self._settings.time_resolution
-        if known.standing is not Verdict.BREACH or sleep <= least:
+        if known.status is not Verdict.BREACH or sleep <= least:
             return sleep, bound
         left = known.margin - known.above
         lasting = 0.0, bound
@@ -186,7 +186,7 @@ class Monitor:
         seen = replace(measurement, proximity=None) if measurement.hidden else measurement  # no direction parts them
         self._ahead_of_known = None
         if not measurement.touching:
-            self._ahead_of_known = SeparationSleep(self.pair, seen, measurement.keeps, self._tuning)
+            self._ahead_of_known = SeparationSleep(self.pair, seen, measurement.threshold, self._tuning)
 
     @property
     def _ahead(self) -> SeparationSleep:
@@ -234,7 +234,7 @@ class Monitor:
         CLEAR holds the margin everywhere. Where a margin is crossed, and between two measurements in breach, it is
         proved that nothing touches. Unresolved with a clearance is what grazes the margin, certainly without contact.
         """
-        clear = known.standing is measurement.standing is Verdict.CLEAR
+        clear = known.status is measurement.status is Verdict.CLEAR
         hidden = max(known.hidden, measurement.hidden)
         if (clear or hidden) and proof.clearance > known.margin:
             return Finding(Verdict.CLEAR, proof.clearance)
@@ -243,7 +243,7 @@ class Monitor:
         return Finding(Verdict.UNRESOLVED, depth_limit=proof.depth_limit + hidden)
 
     def _close_bracket(self) -> Iterator[Event]:
-        """Tell the change of standing once its time is known to the tolerance."""
+        """Tell the change of status once its time is known to the tolerance."""
         known, other = self._known, self._other
         if known is None or other is None or other.time - known.time > self._tolerance(known, other):
             return
@@ -259,8 +259,8 @@ class Monitor:
     def _extend(self, known: Measurement, until: Measurement, finding: Finding) -> Iterator[Event]:
         """Tell what is decided between two measurements; of what may be, only that it cannot be is certain."""
         nearest = min(known.above, until.above)
-        self._near |= not (self.pair.possible or self.pair.far(finding.clearance)) or nearest < inf
-        if self.pair.possible and finding.verdict is not Verdict.CLEAR:
+        self._near |= not (self.pair.path_unknown or self.pair.far(finding.clearance)) or nearest < inf
+        if self.pair.path_unknown and finding.verdict is not Verdict.CLEAR:
             finding = finding._replace(verdict=Verdict.POSSIBLE, depth_limit=nan)
         yield from self._spans.extend(until.time, *finding, nearest)
 
@@ -277,7 +277,7 @@ class Monitor:
         yield from self._extend(before, after, Finding(Verdict.CONTACT, depth_limit=nan))
         if not begins:  # the next contact may begin at the very instant that was clear
             yield from self._spans.finish()
-        if not self.pair.possible:
+        if not self.pair.path_unknown:
             yield _collision(self.pair, Phase.BEGIN if begins else Phase.END, clear.time, touching)
 
     def _touch_at_start(self, pair: Pair) -> Iterator[Event]:
@@ -309,4 +309,4 @@ def _collision(pair: Pair, phase: Phase, clear: float, touching: Measurement) ->
 
 def _leaves(known: Measurement, other: Measurement) -> bool:
     """Tell whether the change between two standings is a breach's end."""
-    return known.standing is Verdict.BREACH and other.standing is Verdict.CLEAR
+    return known.status is Verdict.BREACH and other.status is Verdict.CLEAR

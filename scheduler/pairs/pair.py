@@ -27,7 +27,7 @@ from ..narrow.triangle_pairs import NearTriangles
 
 #: Bounding spheres settle a wakeup while their gap exceeds this share of the sum of their radii. Nearer, the exact
 #: distance buys a sleep that is worth its cost.
-SPHERES_SUFFICE = 0.5
+FAR_IN_RADII = 0.5
 #: An error of measurement above so many m leaves it open whether bodies touch that are nearer than that,
 DOUBT = 1e-6
 #: but not below this share of both radii: that is what any two bodies of their size have.
@@ -68,7 +68,7 @@ class Measurement:
         return (self.clearance <= 0.0 and self.hidden == 0.0) or self.inside is not None
 
     @property
-    def standing(self) -> Verdict:
+    def status(self) -> Verdict:
         """CONTACT, BREACH (nearer than the margin, to within the error of measurement) or CLEAR, of the instant.
 
         A pair that may touch, but not certainly, stands as in breach: nearer than any margin.
@@ -78,9 +78,9 @@ class Measurement:
         return Verdict.BREACH if self.clearance <= self.margin else Verdict.CLEAR
 
     @property
-    def keeps(self) -> float:
-        """The distance (m) above which the standing is proved: the margin, or in breach that of contact."""
-        return self.margin if self.standing is Verdict.CLEAR else 0.0
+    def threshold(self) -> float:
+        """The distance (m) above which the status is proved: the margin, or in breach that of contact."""
+        return self.margin if self.status is Verdict.CLEAR else 0.0
 
 
 class Pair:
@@ -88,8 +88,8 @@ class Pair:
 
     Attributes:
         start, end: s, between which both bodies exist.
-        possible: whether the path of one of them is unknown, so that balls that grow stand for what may be; then all
-            measurements are of those.
+        path_unknown: whether the path of one of them is unknown, so that growing balls stand for it; all
+            measurements are then of those.
         at_start: the same two at their start, where that is known though the paths are not.
         margin: m, nearer than which the pair is in breach.
         error: m, by which a measured distance may be wrong.
@@ -103,7 +103,7 @@ class Pair:
         motion: RelativeMotion,
         phase: NarrowPhase,
         margin: float,
-        measured: tuple[int, int],
+        narrow_indices: tuple[int, int],
         at_start: Pair | None = None,
     ):
         """Take the pair's relative motion, its margin in m, and what stands for its bodies in the narrow phase.
@@ -112,19 +112,19 @@ class Pair:
         """
         self.key = key
         self.motion = motion
-        self.possible = bool(motion.unknown)
+        self.path_unknown = bool(motion.unknown)
         self.at_start = at_start
         self.margin = margin
         self.start, self.end = scene.shared_time(key.a, key.b)
-        self._a, self._b = measured
+        self._a, self._b = narrow_indices
         self.error = motion.rounding((self.start, self.end)) + phase.error(self._a, self._b)
-        self.coarse = not self.possible and self.error > max(DOUBT, USUAL_SHARE * motion.radii)
+        self.coarse = not self.path_unknown and self.error > max(DOUBT, USUAL_SHARE * motion.radii)
         self._bodies = scene.bodies
         self._narrow_phase = phase
 
     def measure(self, t: float) -> Measurement:
         """Measure how far apart the surfaces are at t; whether one is inside the other is asked separately."""
-        return self.measure_beyond(t, self.margin + SPHERES_SUFFICE * self.motion.radii)
+        return self.measure_beyond(t, self.margin + FAR_IN_RADII * self.motion.radii)
 
     def measure_beyond(self, t: float, far: float) -> Measurement:
         """Measure the same, by bounding spheres where they are farther apart than `far` m."""
@@ -141,7 +141,7 @@ class Pair:
 
     def far(self, clearance: float) -> bool:
         """Tell whether a clearance (m) by bounding spheres says enough of a pair."""
-        return clearance - self.margin > SPHERES_SUFFICE * self.motion.radii
+        return clearance - self.margin > FAR_IN_RADII * self.motion.radii
 
     def _measured_exactly(self, t: float, state: PairState) -> Measurement:
         if self._round:
@@ -150,7 +150,7 @@ class Pair:
             level = Level.MESH
             proximity = self._narrow_phase.nearest(self._a, self._b, state.a.pose, state.b.pose)
         gap = proximity.distance - self.motion.spread(t)
-        above = inf if self.possible else gap + self.error
+        above = inf if self.path_unknown else gap + self.error
         hidden = 0.0
         if self.coarse and gap <= self.error and self._overlap(state) < self.error:
             hidden = self.error if gap > 0.0 else inf
@@ -295,7 +295,7 @@ class Pair:
         if measurement.touching:
             gap = 0.0
         features, excess = (proximity.feature_a(), proximity.feature_b()), 0.0
-        if not self.possible:
+        if not self.path_unknown:
             poses = measurement.state.a.pose, measurement.state.b.pose
             excess = self._narrow_phase.excess(self._a, self._b, *poses, proximity, features)
         if self._ancestry:

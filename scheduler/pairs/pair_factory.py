@@ -25,7 +25,7 @@ class Side(NamedTuple):
     """One body of a pair: its chain, its index in the narrow phase, and the limits of a path that is unknown."""
 
     chain: Chain
-    measured: int
+    narrow_index: int
     unknown: tuple[Limits, ...]
 
 
@@ -80,7 +80,7 @@ class PairFactory:
         if motion.unknown and sides.known_at(begin, a, ancestor) and sides.known_at(begin, b, ancestor):
             still = RelativeMotion(sides.at_rest(a, ancestor), sides.at_rest(b, ancestor))
             at_start = Pair(key, scene, still, self.narrow_phase, own, (a, b))
-        return Pair(key, scene, motion, self.narrow_phase, own, (one.measured, other.measured), at_start)
+        return Pair(key, scene, motion, self.narrow_phase, own, (one.narrow_index, other.narrow_index), at_start)
 
 
 def ignored_pairs(scene: Scene) -> Iterator[tuple[int, int]]:
@@ -125,10 +125,10 @@ class Sides:
         if not unknown:
             return Side(self.at_rest(body, ancestor), body, ())
         top = unknown[-1]
-        measured, extent = self._ball(body, top)
+        narrow_index, extent = self._ball(body, top)
         motion = self._bodies[top].motion
         assert isinstance(motion, Limits)
-        return Side(chain_to(self._bodies, top, ancestor, extent), measured, (motion,))
+        return Side(chain_to(self._bodies, top, ancestor, extent), narrow_index, (motion,))
 
     def at_rest(self, body: int, ancestor: int | None) -> Chain:
         """Return a body's chain, as if all of unknown path stood at rest."""

@@ -80,16 +80,16 @@ class Tuning:
 class SeparationSleep:
     """The bounds that hold from one measurement of a pair on."""
 
-    def __init__(self, pair: Pair, measurement: Measurement, keeps: float, tuning: Tuning) -> None:
-        """Look ahead from a measurement of bodies apart; sleeps are to keep them more than `keeps` m apart."""
+    def __init__(self, pair: Pair, measurement: Measurement, threshold: float, tuning: Tuning) -> None:
+        """Look ahead from a measurement of bodies apart; sleeps are to keep them more than `threshold` m apart."""
         self._tuning = tuning
         self._pair = pair
         self._measurement = measurement
-        self._keeps = keeps
+        self._threshold = threshold
         exact = measurement.proximity is not None
-        self._balls = Ahead(lambda duration: pair.sphere_slabs(measurement, duration, keeps))
-        self._slab = Ahead(lambda duration: pair.slab(measurement, duration, keeps) if exact else None)
-        self._slabs = Ahead(lambda duration: pair.slabs(measurement, duration, keeps) if exact else None)
+        self._balls = Ahead(lambda duration: pair.sphere_slabs(measurement, duration, threshold))
+        self._slab = Ahead(lambda duration: pair.slab(measurement, duration, threshold) if exact else None)
+        self._slabs = Ahead(lambda duration: pair.slabs(measurement, duration, threshold) if exact else None)
 
     def sleep(self, horizon: float, floor: float) -> tuple[float, Bound]:
         """Return the longest sleep (s, <= horizon) proved to keep the bodies apart, and the bound that allows it.
@@ -99,12 +99,12 @@ class SeparationSleep:
             floor: s, the least step that will be taken.
         """
         here = self._measurement
-        balls = self._balls.until(horizon).sleep(self._keeps)
+        balls = self._balls.until(horizon).sleep(self._threshold)
         if balls >= horizon:
             return horizon, Bound.SPHERE_SLABS
         if here.proximity is None and balls >= min(horizon, STEPS_TOO_FEW * floor):
             return shortened(here.time, balls), Bound.SPHERE_SLABS
-        spare = max(0.0, spendable(here.clearance) - self._keeps)  # as `proof` has it
+        spare = max(0.0, spendable(here.clearance) - self._threshold)  # as `proof` has it
         sleep, bound = motion_bound.sleep(self._pair.motion, here.state, here.time, spare, horizon)
         balls = shortened(here.time, balls)
         if balls > sleep:
@@ -130,10 +130,10 @@ class SeparationSleep:
         here, motion = self._measurement, self._pair.motion
         duration = after.time - here.time
         parted = self._balls.until(duration).clearance(duration)
-        if here.proximity is None and parted > self._keeps:
+        if here.proximity is None and parted > self._threshold:
             return Proof(min(parted, here.clearance), 0.0)
         proof = motion_bound.proof(motion, here.state, here.clearance, duration, after.clearance)
-        if not self._slab.asked and self._slabs.known is None and proof.clearance <= self._keeps:
+        if not self._slab.asked and self._slabs.known is None and proof.clearance <= self._threshold:
             self._slab.until(duration)
             self._slabs.until(duration)
         if self._slab.known is not None:
@@ -146,7 +146,7 @@ class SeparationSleep:
     def _whole(self, duration: float) -> float:
         """Return how long (s) a slab between the whole bodies lasts, looking `duration` s ahead; 0 without one."""
         slab = self._slab.until(duration)
-        return 0.0 if slab is None else min(duration, slab.sleep(self._keeps))
+        return 0.0 if slab is None else min(duration, slab.sleep(self._threshold))
 
     def _between_triangles(self, horizon: float, cheap: float) -> float:
         """Return how long (s, <= horizon) slabs between the triangles last; `cheap` s are known to.
@@ -158,7 +158,7 @@ class SeparationSleep:
         if slabs is None:
             self._tuning.too_many()
             return 0.0
-        lasts = slabs.sleep(self._keeps)
+        lasts = slabs.sleep(self._threshold)
         if lasts >= 0.9 * ahead:
             self._tuning.lasted()
         return lasts

@@ -12,7 +12,7 @@ MOST_STEPS = 12
 #: and none nearer to a side of the valley than this share of its width.
 LEAST_SHARE = 1.0 / 64.0
 #: By so small a share of the width tangents may miss the time of a kink that was looked at.
-ROUNDING = 1e-6
+TANGENT_ROUNDING = 1e-6
 
 
 class Tangent(NamedTuple):
@@ -86,7 +86,7 @@ def _between(falling: Tangent, rising: Tangent, close: float) -> float | None:
     drop = falling.distance - rising.distance + rising.slope * width
     bend = (rising.slope - falling.slope) * width
     share = drop / bend if bend > 0.0 else 0.5
-    if abs(share - 0.5) > 0.5 + ROUNDING:
+    if abs(share - 0.5) > 0.5 + TANGENT_ROUNDING:
         share = 0.5
     elif min(falling.distance, rising.distance) - (falling.distance + falling.slope * share * width) <= close:
         return None

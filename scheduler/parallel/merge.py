@@ -51,8 +51,8 @@ class Stream(NamedTuple):
 
 def windows_of(packed_work: bytes, share: Share) -> Windows:
     """Return all windows of a share of the bodies, made in any process or thread."""
-    _, pairing = unpacked(packed_work)
-    return Sweeps(pairing, share).all()
+    _, factory = unpacked(packed_work)
+    return Sweeps(factory, share).all()
 
 
 def packed_ticks(work: Work, shares: Iterable[Windows]) -> bytes:
@@ -65,22 +65,22 @@ def stream(packed_work: bytes, share: Share, ticks: bytes | None = None) -> Stre
 
     Of a crowd, `ticks` are what `packed_ticks` told.
     """
-    work, pairing = unpacked(packed_work)
-    before = pairing.narrow_phase.seconds
+    work, factory = unpacked(packed_work)
+    before = factory.narrow_phase.seconds
     queue = WakeupQueue()
     told: list[Tick] | None = None if ticks is None else pickle.loads(ticks)
-    crowd = None if told is None else ActivePairs(pairing, work.settings, told, share)
-    pairs = pairing.all(share) if crowd is None else ()
+    crowd = None if told is None else ActivePairs(factory, work.settings, told, share)
+    pairs = factory.all(share) if crowd is None else ()
     collisions: list[tuple[Turn, Collision]] = []
     turns = packed_stream(_turns(run(pairs, work.settings, crowd, queue), queue, collisions), _TURNS_A_PACK)
-    return Stream(turns, collisions, pairing.narrow_phase.seconds - before)
+    return Stream(turns, collisions, factory.narrow_phase.seconds - before)
 
 
-def observer_of(pairing: PairFactory, pairs: Sequence[Pair] | None, most_pairs: int) -> Observes[Snapshot]:
+def observer_of(factory: PairFactory, pairs: Sequence[Pair] | None, most_pairs: int) -> Observes[Snapshot]:
     """Return what takes snapshots of a scene and of its pairs, None for those of a crowd."""
     if pairs is None:
-        return CrowdObserver(pairing, most_pairs)
-    return Observer(pairing.scene, pairs, most_pairs, pairing.narrow_phase)
+        return CrowdObserver(factory, most_pairs)
+    return Observer(factory.scene, pairs, most_pairs, factory.narrow_phase)
 
 
 def told_in_order(streams: Iterable[Stream]) -> list[Collision]:

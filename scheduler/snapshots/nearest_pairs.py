@@ -34,10 +34,10 @@ class CrowdObserver:
     costs no more where there are more of them: their distance, 0, is the least.
     """
 
-    def __init__(self, pairing: PairFactory, most_pairs: int) -> None:
+    def __init__(self, factory: PairFactory, most_pairs: int) -> None:
         """Observe a scene's bodies; a snapshot names at most `most_pairs` >= 1 pairs."""
-        self._pairing = pairing
-        self._scene = pairing.scene
+        self._factory = factory
+        self._scene = factory.scene
         self._most_pairs = most_pairs
         self._poses = WorldPoses(self._scene.bodies)
         self._lifetimes = lifetimes(self._scene)
@@ -49,7 +49,7 @@ class CrowdObserver:
         self._radii = np.array([extents[k].ball.radius for k in sorted(extents)])
         self._halves = np.array([_half_sides(extents[k]) for k in sorted(extents)])
         self._rounding = np.array([extents[k].radii.max() for k in sorted(extents)])
-        sides = [(place, pairing.sides.of(body, None)) for place, body in enumerate(self._solid.tolist())]
+        sides = [(place, factory.sides.of(body, None)) for place, body in enumerate(self._solid.tolist())]
         self._unknown = [(place, side) for place, side in sides if side.unknown]
         _, self._kinds, self._allowed = kinds_of(self._scene.rules, self._solid)
         self._asking = _asking(self._kinds, self._allowed)
@@ -57,19 +57,19 @@ class CrowdObserver:
         self._reach = self._usual  # m: how far apart the balls of pairs are that are looked at
         self._pairs: dict[int, Pair | None] = {}
 
-    def at(self, time: float, touching: frozenset[int], occasion: Collision | None = None) -> Snapshot:
+    def at(self, time: float, touching: frozenset[int], trigger: Collision | None = None) -> Snapshot:
         """Return the snapshot at `time` (s), while the pairs with ids in `touching` are in contact."""
         there = alive(self._lifetimes, self._scene.end, time)
         met = sorted(pair for pair in touching if all(there[list(self._bodies_of(pair))]))
-        if occasion is None:
+        if trigger is None:
             search = _Search(time, self._poses.at(time), touching, self._most_pairs)
             nearest = self._nearest(search, met, np.flatnonzero(there[self._solid]))
         else:
-            met = sorted({*met, occasion.pair.id})  # it may be the last that its pair does
+            met = sorted({*met, trigger.pair.id})  # it may be the last that its pair does
             told = met[: self._most_pairs]
-            search = _Search(time, self._placed(time, [occasion.pair.id, *told]), touching, self._most_pairs)
+            search = _Search(time, self._placed(time, [trigger.pair.id, *told]), touching, self._most_pairs)
             nearest = [near for pair in told if (near := self._measured(pair, search)) is not None]
-        return Snapshot(time, search.poses, there, tuple(nearest), len(met), occasion)
+        return Snapshot(time, search.poses, there, tuple(nearest), len(met), trigger)
 
     def _nearest(self, search: _Search, met: list[int], solid: IntArray) -> list[Nearness]:
         """Measure the pairs that are near, farther and farther out until no other can be among the nearest.
@@ -131,11 +131,11 @@ class CrowdObserver:
         """Measure a pair, once in a search; None where it is not to be checked."""
         if number not in search.known:
             if number not in self._pairs:
-                self._pairs[number] = self._pairing.pair(*self._bodies_of(number))
+                self._pairs[number] = self._factory.pair(*self._bodies_of(number))
             pair = self._pairs[number]
             near = None
             if pair is not None:
-                near = measured(pair, search.time, search.poses, search.touching, self._pairing.narrow_phase)
+                near = measured(pair, search.time, search.poses, search.touching, self._factory.narrow_phase)
             search.add(number, near)
         return search.known[number]
 

@@ -20,7 +20,7 @@ class Instant(NamedTuple):
 
     time: float
     touching: frozenset[int]
-    occasion: Collision | None = None
+    trigger: Collision | None = None
 
 
 class Seen(Protocol):
@@ -39,7 +39,7 @@ SeenT_co = TypeVar("SeenT_co", bound=Seen, covariant=True)
 class Observes(Protocol[SeenT_co]):
     """What takes snapshots."""
 
-    def at(self, time: float, touching: frozenset[int], occasion: Collision | None = None) -> SeenT_co:
+    def at(self, time: float, touching: frozenset[int], trigger: Collision | None = None) -> SeenT_co:
         """Return the snapshot at `time` (s), while the pairs with ids in `touching` are in contact."""
         ...
 
@@ -117,11 +117,11 @@ class Taken(Generic[SeenT]):
 
     def __init__(self, ticks: Iterator[SeenT], occasions: Iterator[SeenT]) -> None:
         """Take those at times and those at collisions, each in order."""
-        self._ticks, self._occasions = ticks, occasions
+        self._ticks, self._triggers = ticks, occasions
 
-    def at(self, time: float, touching: frozenset[int], occasion: Collision | None = None) -> SeenT:
+    def at(self, time: float, touching: frozenset[int], trigger: Collision | None = None) -> SeenT:
         """Return the next snapshot of its kind."""
-        snapshot = next(self._ticks if occasion is None else self._occasions)
+        snapshot = next(self._ticks if trigger is None else self._triggers)
         assert snapshot.time == time, "snapshots were taken in another order"
         return snapshot
 

@@ -18,7 +18,7 @@ from ..narrow.narrow_phase import NarrowPhase
 from ..pairs.pair import Pair
 
 # Relative: what the sums of travels may lose to rounding.
-_ROUNDING = 1e-9
+_TRAVEL_ROUNDING = 1e-9
 
 
 class Observer:
@@ -34,21 +34,21 @@ class Observer:
         self._travel = Travel(scene)
         self._first = np.array([pair.key.a for pair in pairs], dtype=np.int64)
         self._second = np.array([pair.key.b for pair in pairs], dtype=np.int64)
-        self._possible = np.array([pair.possible for pair in pairs], dtype=bool)
+        self._path_unknown = np.array([pair.path_unknown for pair in pairs], dtype=bool)
         # What was measured last and the travel of both bodies by then: less their travel since, it bounds the distance.
         self._allowance = np.full(len(pairs), -inf)
         self._index = {pair.key.id: index for index, pair in enumerate(pairs)}
 
-    def at(self, time: float, touching: frozenset[int], occasion: Collision | None = None) -> Snapshot:
+    def at(self, time: float, touching: frozenset[int], trigger: Collision | None = None) -> Snapshot:
         """Return the snapshot at `time` (s), while the pairs with ids in `touching` are in contact."""
         poses = self._poses.at(time)
         there = existing(self._scene, time)
         watched = there[self._first] & there[self._second]
-        if occasion is not None:  # which may be the last that its pair does
-            watched[self._index[occasion.pair.id]] = True
+        if trigger is not None:  # which may be the last that its pair does
+            watched[self._index[trigger.pair.id]] = True
         nearest = tuple(self._nearest(time, poses, touching, watched))
         contacts = sum(1 for pair in touching if watched[self._index[pair]])
-        return Snapshot(time, poses, there, nearest, contacts, occasion)
+        return Snapshot(time, poses, there, nearest, contacts, trigger)
 
     def _nearest(
         self, time: float, poses: FloatArray, touching: frozenset[int], watched: NDArray[np.bool_]
@@ -57,7 +57,7 @@ class Observer:
         self._travel.advance(poses)
         travelled = self._travel.so_far[self._first] + self._travel.so_far[self._second]
         bounds = np.maximum(self._travel.gaps(self._first, self._second), self._allowance - travelled)
-        bounds[self._possible] = -inf  # the ball that stands for an unknown place may be nearer than the body drawn
+        bounds[self._path_unknown] = -inf  # the ball that stands for an unknown place may be nearer than the body drawn
         bounds[~watched] = inf
         found: list[Nearness] = []
         for index in np.argsort(bounds, kind="stable"):
@@ -77,7 +77,7 @@ def measured(
     pair: Pair, time: float, poses: FloatArray, touching: frozenset[int], narrow_phase: NarrowPhase
 ) -> Nearness:
     """Measure a pair exactly; one known to be in contact reads 0 even where its surfaces are apart."""
-    if pair.possible:
+    if pair.path_unknown:
         told = pair.distance(pair.look_inside(pair.measure_exactly(time)))
         assert told is not None
         verdict = Verdict.POSSIBLE if told.distance <= pair.margin else Verdict.CLEAR
@@ -119,7 +119,7 @@ class Travel:
         if self._turns is not None:
             turned = np.linalg.norm(turns - self._turns, axis=(1, 2)) / sqrt(2.0)
             moved = np.linalg.norm(centres - self._centres, axis=1) + self._radii * turned
-            self.so_far += moved * (1.0 + _ROUNDING)
+            self.so_far += moved * (1.0 + _TRAVEL_ROUNDING)
         self._turns, self._centres = turns, centres
 
     def gaps(self, first: NDArray[np.int64], second: NDArray[np.int64]) -> FloatArray:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..geometry.arrays import FloatArray
 
 #: By this share of the coordinates places on a line may be wrong.
-ROUNDING = 256.0 * 2.0**-52
+LINE_ROUNDING = 256.0 * 2.0**-52
 #: Cells of the grid that a triangle lies in, on the average, at most.
 MOST_CELLS = 8
 #: Directions of the lines, each both ways.
@@ -42,7 +42,7 @@ class Lines:
         self._axes = axes
         self.direction = axes[2]
         self._corners = corners @ axes.T
-        self._slack = ROUNDING * float(np.abs(corners).max())
+        self._slack = LINE_ROUNDING * float(np.abs(corners).max())
         a, b, c = (self._corners[:, k] for k in range(3))
         self._facing = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
         flat = self._corners[:, :, :2]
@@ -81,7 +81,7 @@ class Lines:
         rank = np.arange(len(of)) - np.repeat(np.cumsum(counts) - counts, counts)
         triangles = self._members[self._starts[place[of]] + rank]
         corners, here = self._corners[triangles], placed[of]
-        slack = self._slack + ROUNDING * np.abs(placed).max(initial=0.0)
+        slack = self._slack + LINE_ROUNDING * np.abs(placed).max(initial=0.0)
         flat = corners[:, :, :2] - here[:, None, :2]
         ends = np.roll(flat, -1, axis=1)
         sides = flat[:, :, 0] * ends[:, :, 1] - flat[:, :, 1] * ends[:, :, 0]

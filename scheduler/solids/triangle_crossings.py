@@ -24,7 +24,7 @@ SPREADS = (
 #: Axes that may part two triangles.
 AXES = 17
 #: By this share of the coordinates about a pair's own corner, times an axis' length, projections on it may be wrong.
-ROUNDING = 64.0 * 2.0**-52
+CROSSING_ROUNDING = 64.0 * 2.0**-52
 
 
 def near_each_other(corners: FloatArray) -> Iterator[tuple[IntArray, IntArray]]:
@@ -91,7 +91,7 @@ def apart(one: FloatArray, other: FloatArray) -> BoolArray:
         p, q = np.einsum("kij,kj->ki", a, axis), np.einsum("kij,kj->ki", b, axis)
         gap = np.maximum(q.min(axis=1) - p.max(axis=1), p.min(axis=1) - q.max(axis=1))
         size = np.maximum(np.abs(a).max(axis=(1, 2)), np.abs(b).max(axis=(1, 2)))
-        clear = gap > ROUNDING * size * np.abs(axis).sum(axis=1)
+        clear = gap > CROSSING_ROUNDING * size * np.abs(axis).sum(axis=1)
         found[left[clear]] = True
         left = left[~clear]
     return found
@@ -198,7 +198,9 @@ def _folded(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> BoolA
     normal, other_normal = np.cross(edge, one), np.cross(edge, other)
     size = np.abs(np.concatenate((edge, one, other), axis=1)).max(axis=1)
     volume = np.abs(np.einsum("ij,ij->i", normal, other))
-    found: BoolArray = (np.einsum("ij,ij->i", normal, other_normal) > 0.0) & (volume <= 8.0 * ROUNDING * size**3)
+    found: BoolArray = (np.einsum("ij,ij->i", normal, other_normal) > 0.0) & (
+        volume <= 8.0 * CROSSING_ROUNDING * size**3
+    )
     return found
 
 

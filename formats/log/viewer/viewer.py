@@ -123,8 +123,8 @@ class Viewer:
     def shown(self, snapshot: Snapshot, log_time: int) -> Iterator[tuple[Channel, Pieces]]:
         """Yield what a snapshot shows, at `log_time` in ns, whatever was shown before."""
         stamp = timestamp(log_time)
-        if snapshot.occasion is not None:
-            frames = self._frames_of(snapshot.occasion.pair)
+        if snapshot.trigger is not None:
+            frames = self._frames_of(snapshot.trigger.pair)
             if frames:
                 yield self._tf, (self._packer_of(frames).pack(stamp, snapshot.poses[frames]),)
         elif snapshot.time != self._scene.start:  # the opening told where all is at the start
@@ -198,7 +198,7 @@ class Viewer:
         return names(tags, self._sizes, told, stamp)
 
     def _touching(self, snapshot: Snapshot, told: CallOuts, stamp: Timestamp) -> Pieces:
-        touching = [near for near in snapshot.nearest if _stays_in_contact(near, snapshot.occasion)]
+        touching = [near for near in snapshot.nearest if _stays_in_contact(near, snapshot.trigger)]
         possible = [near for near in snapshot.nearest if near.verdict is Verdict.POSSIBLE and near.distance == 0.0]
         bodies = sorted({body for near in touching for body in (near.pair.a, near.pair.b)})
         red = [self._entities.in_red(body, stamp, snapshot.poses[body]) for body in bodies]
@@ -222,7 +222,7 @@ class Viewer:
         return f"{self._names[pair.a]}|{self._names[pair.b]}"
 
 
-def _stays_in_contact(near: Nearness, occasion: Collision | None) -> bool:
+def _stays_in_contact(near: Nearness, trigger: Collision | None) -> bool:
     """Tell whether a pair touches, and goes on: where a contact ends the snapshot shows what is left."""
-    ends = occasion is not None and occasion.phase is Phase.END and occasion.pair.id == near.pair.id
+    ends = trigger is not None and trigger.phase is Phase.END and trigger.pair.id == near.pair.id
     return near.verdict is Verdict.CONTACT and not ends
