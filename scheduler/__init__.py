@@ -1,1 +1,1 @@
-"""The theory: bodies, motions and their bounds, the heap, the narrow phase, the events. No files, no printing."""
+"""The theory: bodies, motions, bounds, the queue, exact distances, events. It reads no files and prints nothing."""

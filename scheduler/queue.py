@@ -1,4 +1,4 @@
-"""The lecture's queue: pairs by wakeup time, ties by pair id; and the ends of windows, before pairs of one time."""
+"""The lecture's queue: pairs by wakeup time, ties by pair id. Ends of windows come before pairs of the same time."""
 
 from __future__ import annotations
 

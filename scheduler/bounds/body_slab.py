@@ -1,7 +1,7 @@
-"""The directional bound for whole bodies: one slab between them, whose sides move with all their points.
+"""A slab between two whole bodies: a separating axis along which they stay apart for some time.
 
-A convex body lies on one side of the plane that its nearest triangle touches, as does much that is nearly convex there.
-Then one direction serves for all triangles, near and far, and is exact up to the acceleration.
+A convex body lies on one side of the plane through its nearest triangle. Many other bodies nearly do, close to that
+triangle. Then one axis serves all triangles, near and far, and the bound is exact up to the acceleration.
 """
 
 from __future__ import annotations

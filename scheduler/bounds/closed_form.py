@@ -1,4 +1,4 @@
-"""How long a pair may sleep, and what two measurements prove of the time between: pure numbers."""
+"""Closed-form bounds on sleeps, and on the time between two measurements. Pure numbers."""
 
 from __future__ import annotations
 

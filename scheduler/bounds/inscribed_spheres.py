@@ -1,7 +1,8 @@
-"""How long balls inside two solids certainly go on meeting, so that a deep contact sleeps however its bodies turn.
+"""How long spheres inside two solids go on overlapping, so that a deep contact sleeps.
 
-A ball about the middle of a body that one of its shapes holds looks the same from all sides: while two such balls meet,
-so do the bodies, and only the motion of their middles counts. It mirrors the slab between bounding balls.
+The spheres lie inside the solids, about the middles of their bounds. While the spheres overlap, so do the solids.
+Turning a sphere changes nothing, so only the motion of its middle counts. This is the counterpart of the slab between
+bounding spheres.
 """
 
 from __future__ import annotations

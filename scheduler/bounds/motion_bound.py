@@ -1,4 +1,4 @@
-"""The lecture's bound and the displacement bound: how long clearance lasts, and what two measurements prove."""
+"""The speed-acceleration bound of the lecture and the displacement bound: sleeps, and proofs between measurements."""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
-"""The directional bound for bounding balls: a slab between them, which turning bodies do not narrow.
+"""Slabs between bounding spheres: separating axes that turning bodies do not narrow.
 
-A ball looks the same however it turns, so that its middle's motion alone counts: numbers of one pair, no points.
+A sphere looks the same however it turns, so only the motion of its middle counts. The bound needs a few numbers of the
+pair, and no points.
 """
 
 from __future__ import annotations

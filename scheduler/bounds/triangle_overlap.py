@@ -1,12 +1,12 @@
-"""How long triangles that meet certainly go on meeting: the mirror image of the directional bound.
+"""How long triangles that overlap go on overlapping: the counterpart of the slabs between triangles.
 
-Two convex sets share a point where their Minkowski difference P, the hull of all v = p - q over their corners, holds 0.
-While each v has moved by some d with -d in P, it still does: x -> -d(x), d interpolated over P, maps P into itself, so
-that it has a fixed point x = -d(x) (Brouwer), which lies at x + d(x) = 0 in the moved hull. P is bounded by planes, and
-how fast a corner nears each is known: sliding along a face costs nothing until its border.
+Two convex sets share a point if their Minkowski difference P, the hull of all v = p - q over their corners, holds 0.
+Suppose each v moves by some d, and -d lies in P. Interpolate d over P: the map x -> -d(x) takes P into itself. By
+Brouwer it has a fixed point x = -d(x). So x + d(x) = 0 lies in the moved hull, and the sets still share a point. Planes
+bound P, and how fast each corner nears a plane is known. So sliding along a face costs nothing until its border.
 
-What is rounded, or merely touches, is held to within a thickness: P is thickened along the direction in which it is
-shallowest, and a little all around, so that what slides along the border of two triangles has a place in both.
+Triangles that merely touch, or touch up to rounding, are given a thickness: P is thickened along the direction in which
+it is shallowest, and a little all around. So a point that slides along the border of two triangles has a place in both.
 """
 
 from __future__ import annotations

@@ -1,9 +1,11 @@
-"""The directional bound: every two triangles within reach stay on their sides of a slab between them.
+"""Slabs between triangles: every two triangles within reach stay on their sides of a slab between them.
 
-Triangles are convex, so where a direction n parts two of them by a gap, they stay apart until their corners have
-closed it along n; motion across n costs nothing. The way between the bodies' nearest points serves all pairs of
-triangles within reach, and those that it serves worst get directions of their own; all others are too far away for the
-plain displacement bound. Sources: Zhang, Redon, Lee, Kim, "CATCH" (2007); Tang, Kim, Manocha, "C2A" (2009).
+Triangles are convex. If a direction n separates two of them by a gap, they stay apart until their corners have closed
+the gap along n. Motion perpendicular to n does not close it. The direction between the bodies' closest points is tried
+for every pair of triangles within reach; the pairs that it bounds worst then get separating axes of their own. All
+other pairs of triangles are farther apart than the displacement bound needs.
+
+Sources: Zhang, Redon, Lee, Kim, "CATCH" (2007); Tang, Kim, Manocha, "C2A" (2009).
 """
 
 from __future__ import annotations

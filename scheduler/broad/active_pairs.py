@@ -1,4 +1,4 @@
-"""The pairs of a crowd of bodies: they enter the queue when their swept boxes meet, and leave it when they part."""
+"""Which pairs are in the queue: a pair enters when its swept boxes overlap, and leaves when they no longer do."""
 
 from __future__ import annotations
 

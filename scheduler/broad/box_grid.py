@@ -1,4 +1,4 @@
-"""Boxes along the axes, and which of them meet: a grid for each size of box, built anew when enough has changed."""
+"""Which axis-aligned boxes overlap: a grid for each size of box, rebuilt when enough boxes have changed."""
 
 from __future__ import annotations
 

@@ -1,7 +1,9 @@
-"""The broad phase in time: swept boxes over windows, which clear all pairs whose boxes do not meet.
+"""The broad phase in time: swept boxes over windows clear all pairs whose boxes do not overlap.
 
-I-COLLIDE's sweep and prune, but with the trajectories known ahead: a box holds its body for a window that each body
-chooses by how far it moves. The end of a window is an event, at which a new one begins and is held against all others.
+This is the sweep and prune of I-COLLIDE with the trajectories known ahead. A box holds its body for a window of time.
+Each body chooses the window's length by how far it moves. The end of a window is an event: a new window begins, and its
+box is compared with all others. In the words of kinetic data structures a window is a certificate, its end a failure
+time.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""One body's windows: for how long a box around it is worth keeping, and how far it gets within."""
+"""The windows of one body: how long to keep a box around it, and how far the body gets within."""
 
 from __future__ import annotations
 

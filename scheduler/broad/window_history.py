@@ -1,4 +1,4 @@
-"""The windows that have begun, and what they clear of two bodies."""
+"""The windows that have begun, and until when they clear two bodies of each other."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The windows of many bodies as arrays, which travel between processes; and who tells them."""
+"""The windows of many bodies as arrays that travel between processes, and the sources of windows."""
 
 from __future__ import annotations
 

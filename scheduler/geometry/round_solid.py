@@ -1,4 +1,4 @@
-"""Cylinders, cones and ellipsoids themselves, of which polyhedra around them are measured."""
+"""Exact cylinders, cones and ellipsoids; distances are measured between polyhedra that enclose them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How much a bound gives away to its own arithmetic."""
+"""What a bound gives away to the rounding of its own arithmetic."""
 
 from __future__ import annotations
 

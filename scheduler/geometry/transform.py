@@ -1,4 +1,4 @@
-"""Rotations and rigid transforms, the little that motions need."""
+"""Rotations and rigid transforms."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Points that are exactly equal, taken for one."""
+"""Points without repetition: exactly equal points become one."""
 
 from __future__ import annotations
 

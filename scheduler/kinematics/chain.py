@@ -1,4 +1,4 @@
-"""The motions between a body and an ancestor frame, composed: where the body is, and how far its points can get."""
+"""The motions between a body and an ancestor frame, composed: the body's pose, and bounds on how far its points get."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The relative motion of a pair, seen from its lowest common ancestor: what common motion there is has cancelled."""
+"""The relative motion of a pair, seen from its lowest common ancestor, where motion that both share cancels."""
 
 from __future__ import annotations
 

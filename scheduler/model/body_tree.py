@@ -1,4 +1,4 @@
-"""The tree of bodies: who carries whom."""
+"""The tree of bodies: which body carries which."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the scheduler says, fact by fact: frozen values; times in scene seconds, lengths in m, points in the world."""
+"""The events of a run: frozen values. Times are in scene seconds, lengths in m, points in the world frame."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How many pairs of bodies the rules let be checked, counted without naming one of them."""
+"""How many pairs of bodies the rules allow, counted without listing the pairs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The scene as the scheduler sees it: frozen values in SI units, checked at the door and never again."""
+"""The scene as the scheduler sees it: frozen values in SI units, checked once when they are made."""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""A share of a scene's pairs: what is known of a pair rests on its own measurements, so that each share runs alone."""
+"""A share of a scene's pairs.
+
+What is known of a pair depends on its own measurements alone, so each share runs alone.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The motions, each with sound bounds on how far its points get."""
+"""The motions: one law a file, with sound bounds on how far its points get."""
 
 from .ballistic import Ballistic, Constant
 from .delayed import Delayed

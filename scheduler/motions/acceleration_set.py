@@ -1,4 +1,4 @@
-"""Where a vector that varies may be about its middle: what bounds an acceleration direction by direction."""
+"""A set that an acceleration stays in, given by its support function: a zonoid and a ball."""
 
 from __future__ import annotations
 

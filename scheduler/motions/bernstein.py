@@ -1,4 +1,4 @@
-"""Bounds on polynomial curves: their Bernstein control points, whose hull holds the curve, over small cells."""
+"""Bounds on polynomial curves over short intervals: the hull of the Bernstein control points holds the curve."""
 
 from __future__ import annotations
 

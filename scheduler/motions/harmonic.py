@@ -1,4 +1,4 @@
-"""Sinusoidal motions: sliding to and fro, swinging about a hinge."""
+"""Sinusoidal motions: sliding along a direction, swinging about a hinge."""
 
 from __future__ import annotations
 

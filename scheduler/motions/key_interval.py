@@ -1,4 +1,4 @@
-"""What keyed paths and turnings share: stretches of the keys' time, and sums over whole segments."""
+"""What keyed translations and rotations share: intervals of the keys' time, and sums over whole segments."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A path that is unknown but for its limits: how far it can have led by a given time."""
+"""A path that is unknown except for its limits: how far it can have led by a given time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How near two bodies' surfaces are, and where."""
+"""The result of a distance query: the distance and the closest points of two surfaces."""
 
 from __future__ import annotations
 

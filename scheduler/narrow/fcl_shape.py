@@ -1,7 +1,7 @@
-"""Shapes as FCL measures them: the only module that imports it.
+"""Shapes as FCL measures them: the only module that imports FCL.
 
-Only `fcl.distance` and `fcl.collide` on BVH models are used: GJK distances over-estimate, continuous collision misses,
-mesh depths and normals mean nothing.
+Only `fcl.distance` and `fcl.collide` on BVH models are used. FCL's GJK distances can be too large, its continuous
+collision detection misses contacts, and its depths and normals between meshes mean nothing.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""The narrow phase: exact distances, touching and containment of two placed bodies.
+"""The narrow phase: exact distance, touching and containment of two placed bodies.
 
-Every shape is a triangle core plus a rounding radius. Both bodies are measured in a frame centred on the first, so that
-the error of measurement follows their size and not their place.
+Every shape is a core of triangles plus a rounding radius. Both bodies are measured in a frame centred on the first, so
+the error of measurement depends on their size and not on their place.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Thin triangles: how much they may falsify a distance, and those too thin to be triangles in floating point."""
+"""Thin triangles: by how much they may falsify a distance, and which are too thin for floating point."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How far apart cores are by their triangles, pair by pair: right to rounding however the triangles lie."""
+"""The distance of two cores, triangle by triangle: right up to rounding however the triangles lie."""
 
 from __future__ import annotations
 

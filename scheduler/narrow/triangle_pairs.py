@@ -1,4 +1,4 @@
-"""The triangles of two placed shapes that are near each other, found by boxes around groups of them."""
+"""Pairs of triangles of two shapes that are near each other, found by a two-level tree of boxes."""
 
 from __future__ import annotations
 

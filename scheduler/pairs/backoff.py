@@ -1,4 +1,4 @@
-"""How often something costly is tried: more and more seldom while it does not pay."""
+"""Exponential back-off: after a failed try skip 1, 3, then 7 opportunities; start again after a success."""
 
 from __future__ import annotations
 

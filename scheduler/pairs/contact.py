@@ -1,4 +1,4 @@
-"""How long a contact is certain to last, so that a pair in contact may sleep too."""
+"""Lower bounds on how long a contact lasts, so that a pair in contact may sleep too."""
 
 from __future__ import annotations
 

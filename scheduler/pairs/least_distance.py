@@ -1,9 +1,9 @@
 """The least distance of a pair over its run, as a bracket: branch and bound over the stretches between its wakeups.
 
-The scheme proves that a pair stays apart, not by how much: a sleep spends all the clearance there is. Once the pair is
-decided, the stretches that may hold its least distance are gone through again, by the same bounds, but the pair sleeps
-only while it provably stays above a goal: the least distance measured so far, less the tolerance; or, where that would
-take too many measurements, the greatest share of it that they allow.
+The scheme proves that a pair stays apart, but not by how much: a sleep spends all of the clearance. Once the pair is
+decided, a second pass visits the stretches that may hold the least distance. It uses the same bounds, but the pair
+sleeps only while it provably stays above a goal. The goal is the least distance measured so far, less the tolerance. If
+that would take too many measurements, the goal is the largest share of it that they allow.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What is known of one pair so far, what a new measurement adds to it, and when the pair must wake next."""
+"""The state of one pair: what is known of it, what a new measurement adds, and when it must wake next."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which pairs of bodies might collide, and what stands for each body of a pair."""
+"""Makes the pairs of bodies that might collide."""
 
 from __future__ import annotations
 

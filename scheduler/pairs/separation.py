@@ -1,4 +1,7 @@
-"""What is certain of the time after a measurement: the cheap bounds first, directions where they pay."""
+"""Lower bounds on when two separated bodies can next touch.
+
+Cheap bounds come first. Separating axes follow only where the cheap bounds give short sleeps.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What has been decided of a pair, stretch by stretch, and the spans that neighbours of one verdict make up."""
+"""What has been decided of a pair, stretch by stretch; neighbours of one verdict make up a span."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The floor under a pair's sleep: the lecture's t_min, and how it gives way where a step of it proves nothing."""
+"""The minimum step, the lecture's t_min. An unproved step is retried at a quarter; a proved step doubles it again."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a distance over time seems least: between a time at which it falls and one at which it rises."""
+"""Search for the minimum of a distance between a time at which it falls and a time at which it rises."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Streams of events: what a share of the pairs tells, packed to travel between processes, and the merger of them all.
+"""Streams of events, one for each share of the pairs, and their merge.
 
-The heap wakes the pair whose time comes first; which pairs it holds beside changes nothing for that pair. So the events
-of one heap of all pairs are those of the shares' heaps, always from the one whose next turn comes first.
+The queue wakes the pair with the earliest time. The other pairs in it change nothing for that pair. So the events of
+one queue of all pairs are those of the shares' queues, taken each time from the share whose next wakeup comes first.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What travels between processes: the work, what is built of it, and long streams of what is told."""
+"""What travels between processes: the work, and long streams of events."""
 
 from __future__ import annotations
 

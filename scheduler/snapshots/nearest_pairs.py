@@ -1,4 +1,4 @@
-"""Snapshots of a crowd: its nearest pairs are looked for where bodies are near, never among all pairs."""
+"""Snapshots of many bodies: the nearest pairs are sought where bodies are near, never among all pairs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The instants that snapshots are taken at: regular ticks, changes of what exists, and every collision."""
+"""When snapshots are taken: at regular ticks, when bodies begin or cease to exist, and at every collision."""
 
 from __future__ import annotations
 

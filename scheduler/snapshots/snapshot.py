@@ -1,4 +1,4 @@
-"""Snapshots of the whole scene: every body's pose, and which pairs are nearest."""
+"""Snapshots of the whole scene: every body's pose, and the nearest pairs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Inside and outside of closed meshes, and the connected parts of a mesh: what surface distances cannot tell."""
+"""Whether a point is inside a closed mesh, and the connected parts of a mesh: what surface distances do not show."""
 
 from __future__ import annotations
 

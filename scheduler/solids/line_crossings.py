@@ -1,4 +1,4 @@
-"""Lines through points, and where they meet a closed skin: how often it winds around a point, how far a line goes."""
+"""Lines through points and where they cross a closed skin: the winding number of a point, the distance to the skin."""
 
 from __future__ import annotations
 
