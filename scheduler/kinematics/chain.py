@@ -167,7 +167,7 @@ class Chain:
     def _rates_of(self, state: ChainState, duration: float) -> Rates:
         """Return the rates, composed from the outermost joint on.
 
-        Row 'chain, speeds': V = V_P + W_P L + V', A = A_P + (al_P + W_P^2) L + 2 W_P V' + A', and so on, L the
+        Row `chain, speeds`: V = V_P + W_P L + V', A = A_P + (al_P + W_P^2) L + 2 W_P V' + A', and so on, L the
         farthest that the child's origin gets from its parent's. Where nothing above turns, directions stay as they are;
         where all that turns above does so about one axis, what is added by turning lies across it.
         """

@@ -39,7 +39,7 @@ class Ballistic(Smooth):
         return transform(turn(unit(self.angular_velocity), spin * t), path)
 
     def displacement(self, t: float, duration: float, reach: LeverArms) -> float:
-        """Row 'ballistic' with the addition for a spin; without acceleration row 'constant velocity v + spin w'."""
+        """Row `Ballistic`: the path, and the chord of the spin; without acceleration row `Ballistic, a = 0`."""
         velocity, _ = self.velocities(t)
         swept = chord(norm(self.angular_velocity) * duration, reach.axis_radius)
         if self.acceleration == ZERO:
@@ -61,7 +61,7 @@ class Ballistic(Smooth):
         return add(self.velocity, scale(t, self.acceleration)), self.angular_velocity
 
     def rates(self, t: float, duration: float) -> Rates:
-        """Row 'ballistic': the speed's maximum is at one end; the acceleration is all steady."""
+        """Row `Ballistic`: the speed's maximum is at one end; the acceleration is all steady."""
         speed = max(norm(self.velocities(t)[0]), norm(self.velocities(t + duration)[0]))
         spin = norm(self.angular_velocity)
         return Rates(speed, STILL, spin, 0.0, self.acceleration, unit(self.angular_velocity))

@@ -32,7 +32,7 @@ class Harmonic(Smooth):
         return transform(IDENTITY, scale(offset, self.direction))
 
     def displacement(self, t: float, duration: float, reach: LeverArms) -> float:
-        """Row 'harmonic' (exact)."""
+        """Row `Harmonic` (exact)."""
         return abs(self.amplitude) * _sine_departure(*_phases(self, t, duration))
 
     def path_length(self, t: float, duration: float, reach: LeverArms) -> float:
@@ -82,7 +82,7 @@ class Swing(Smooth):
         return turned_about(self.axis_direction, self.point, self._angle(t), ZERO)
 
     def displacement(self, t: float, duration: float, reach: LeverArms) -> float:
-        """Row 'swing': the angle as the harmonic, the chord it subtends."""
+        """Row `Swing`: the angle as the harmonic, the chord it subtends."""
         angle = abs(self.amplitude) * _sine_departure(*_phases(self, t, duration))
         return chord(angle, reach.axis_radius)
 
@@ -99,7 +99,7 @@ class Swing(Smooth):
         return cross(spin, arm), spin
 
     def rates(self, t: float, duration: float) -> Rates:
-        """Row 'swing': the acceleration squared is convex in x = sin^2 of the phase: the ends of x's range decide."""
+        """Row `Swing`: the acceleration squared is convex in x = sin^2 of the phase: the ends of x's range decide."""
         w, size = _frequency(self), abs(self.amplitude)
         radius = distance_to_line(ZERO, self.point, self.axis_direction)
         largest_sin, largest_cos, least_sin = _phase_extremes(*_phases(self, t, duration))

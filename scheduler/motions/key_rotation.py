@@ -68,7 +68,7 @@ class KeyRotation:
         return scale(self._rates[key], (x, y, z))
 
     def angle(self, span: Span) -> float:
-        """Return the angle (rad) turned over the span, jumps left out: row 'slerp segment'."""
+        """Return the angle (rad) turned over the span, jumps left out: row `slerp`."""
         first, since_first, last, since_last = span
         if first == last:
             return self._rates[first] * max(0.0, since_last - since_first)

@@ -67,10 +67,7 @@ class Keyframes:
         return transform(self.turning.rotation(key, since), self.path.position(key, since))
 
     def displacement(self, t: float, duration: float, reach: LeverArms) -> float:
-        """Row 'polynomial, Hermite', or the farthest corner of the boxes around whole segments, or the path gone.
-
-        And row 'any rotation of bounded rate', about the point.
-        """
+        """Row `Keyframes`: control points, boxes around whole segments or the path gone; and row `slerp`."""
         span = self.span(t, end_of(t, duration))
         return self.path.displacement(span) + chord(self.turning.angle(span), reach.radius)
 
@@ -87,7 +84,7 @@ class Keyframes:
         return self.path.velocity(key, since), self.turning.velocity(key)
 
     def rates(self, t: float, duration: float) -> Rates:
-        """Rows 'polynomial, Hermite' and 'slerp segment', whose rate is constant."""
+        """Rows `Keyframes` and `slerp`, whose rate is constant."""
         if t < self._knots[0]:
             return Rates(0.0, STILL, 0.0, 0.0)
         key, since = self.segment(t)

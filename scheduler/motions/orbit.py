@@ -44,7 +44,7 @@ class Orbit(Smooth):
         return transform(rows, scale(self.radius, self._radial(angle)))
 
     def displacement(self, t: float, duration: float, reach: LeverArms) -> float:
-        """Row 'circular orbit' (exact)."""
+        """Row `Orbit` (exact)."""
         return chord(abs(self.rate) * duration, self._arm(reach))
 
     def path_length(self, t: float, duration: float, reach: LeverArms) -> float:

@@ -45,7 +45,7 @@ class Polynomial(Smooth):
         return transform(turn(unit(self.angular_velocity), spin * t), self._place(t))
 
     def displacement(self, t: float, duration: float, reach: LeverArms) -> float:
-        """Row 'polynomial' with the addition for a spin."""
+        """Row `Polynomial`: control points, and the chord of the spin."""
         swept = chord(norm(self.angular_velocity) * duration, reach.axis_radius)
         way, before, after = self._local(t)[0], *_either_side(t, duration)
         if after == 0.0:
@@ -55,7 +55,7 @@ class Polynomial(Smooth):
         return max(way.supremum(before), rest) + swept
 
     def path_length(self, t: float, duration: float, reach: LeverArms) -> float:
-        """Row 'polynomial': the control points of the velocity, their norms' mean; and the spin's arc."""
+        """Row `Polynomial`: the mean norm of the velocity's control points, and the arc of the spin."""
         swept = norm(self.angular_velocity) * duration * reach.axis_radius
         before, after = _either_side(t, duration)
         gone = self._local(t)[1].integral(before)
@@ -67,7 +67,7 @@ class Polynomial(Smooth):
         return (x, y, z), self.angular_velocity
 
     def rates(self, t: float, duration: float) -> Rates:
-        """Row 'polynomial'; up to the second degree the acceleration is all steady."""
+        """Row `Polynomial`; up to the second degree the acceleration is all steady."""
         velocity, spin = self._local(t)[1], norm(self.angular_velocity)
         before, after = _either_side(t, duration)
         speed = velocity.supremum(before)

@@ -33,11 +33,11 @@ class Screw(Smooth):
         return turned_about(self.axis_direction, self.point, angle, advance)
 
     def displacement(self, t: float, duration: float, reach: LeverArms) -> float:
-        """Row 'screw'."""
+        """Row `Screw`."""
         return hypot(self._advance_rate * duration, chord(abs(self.rate) * duration, reach.axis_radius))
 
     def path_length(self, t: float, duration: float, reach: LeverArms) -> float:
-        """Row 'screw': the speed is w sqrt(h^2 + rho^2), exactly."""
+        """Row `Screw`: the speed is w sqrt(h^2 + rho^2), exactly."""
         return hypot(self._advance_rate, self.rate * reach.axis_radius) * duration
 
     def velocities(self, t: float) -> tuple[Vector, Vector]:

@@ -70,7 +70,7 @@ class Trapezoid:
         return transform(IDENTITY, scale(self._value(t), self.axis_direction))
 
     def displacement(self, t: float, duration: float, reach: LeverArms) -> float:
-        """Row 'trapezoidal profile': it never turns back, so the length travelled, or its chord (exact)."""
+        """Row `Trapezoid`: it never turns back, so the length travelled, or its chord (exact)."""
         travelled = self._travelled(t, duration)
         return chord(travelled, reach.axis_radius) if self.turns else travelled
 
@@ -88,7 +88,7 @@ class Trapezoid:
         return cross(along, arm), along
 
     def rates(self, t: float, duration: float) -> Rates:
-        """Row 'trapezoidal profile': the speed's maximum is at one end, the acceleration that of the phase, steady."""
+        """Row `Trapezoid`: the speed's maximum is at one end, the acceleration that of the phase, steady."""
         last = min(t + duration, self.knot_after(t))
         speed, acceleration = max(self._speed(t), self._speed(last)), abs(self._acceleration(t))
         if not self.turns:
