@@ -65,7 +65,7 @@ def run(
             queue.push(plan.time, plan.reason, monitor)
         sleep, bound = (max(0.0, plan.time - time), plan.bound) if plan else (0.0, Bound.NONE)
         yield Wakeup(time, monitor.pair.key, reason, measurement.level, bound, monitor.clearance, sleep)
-        # Decided up to its end, it is told how near the pair came.
+        # Once it is decided up to its end, how near the pair came is reported.
         if plan is None:
             yield from monitor.finish()
     # The queue runs empty when every wakeup would exceed the simulation time.

@@ -12,7 +12,7 @@ def test_the_first_chance_is_tried_and_more_pass_with_each_failure():
     attempts, passed = Backoff(), []
     for _ in range(6):
         passed.append(passed_until_due(attempts))
-        attempts.tell(False)
+        attempts.learn(False)
     assert passed == [0, 1, 3, 7, 7, 7]
     assert max(passed) == MOST_PASSED
 
@@ -21,9 +21,9 @@ def test_once_a_try_pays_every_chance_is_tried():
     attempts = Backoff()
     for _ in range(5):
         passed_until_due(attempts)
-        attempts.tell(False)
+        attempts.learn(False)
     passed_until_due(attempts)
-    attempts.tell(True)
+    attempts.learn(True)
     for _ in range(3):
         assert attempts.due()
-        attempts.tell(True)
+        attempts.learn(True)

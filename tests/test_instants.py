@@ -97,7 +97,7 @@ def test_snapshots_may_be_taken_before_at_the_same_instants() -> None:
 def test_what_ended_is_forgotten_only_before_the_time_that_is_named() -> None:
     touching = Touching()
     for event in (collision(1, Phase.BEGIN, 1.0), collision(1, Phase.END, 2.0), collision(2, Phase.BEGIN, 3.0)):
-        touching.tell(event)
+        touching.take(event)
     touching.forget(2.0)
     assert [touching.at(time) for time in (0.5, 1.0, 2.0, 2.5, 3.0)] == [set(), {1}, {1}, set(), {2}]
     touching.forget(2.1)

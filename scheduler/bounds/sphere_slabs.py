@@ -160,7 +160,7 @@ class SphereSlabs:
             state, since = motion.at(following), following - start
 
     def _are_many(self, reached: float) -> bool:
-        """Tell whether there are too many to go on, or too many for how far (s) they have reached."""
+        """Return whether there are too many to go on, or too many for how far (s) they have reached."""
         count = len(self._stages)
         return count == MOST_SLABS or MOST_SLABS * reached < (count - 1) * self._duration
 

@@ -43,9 +43,9 @@ class ActivePairs:
         return inf if self._tick is None else self._tick.time
 
     def meet(self) -> Generator[Event, None, list[tuple[float, Reason, Monitor]]]:
-        """Begin the windows of the next tick; tell them, and return the pairs that enter with their wakeups.
+        """Begin the windows of the next tick: yield them, and return the pairs that enter with their wakeups.
 
-        Every share has all windows, the first one tells them.
+        Every share has all windows; only the first one yields them.
 
         A pair that was cleared until now wakes now: the windows that end clear it up to this very time.
         """
@@ -81,7 +81,7 @@ class ActivePairs:
         return Plan(until, Reason.WINDOW, Bound.WINDOWS)
 
     def finish(self) -> Iterator[Event]:
-        """Yield what is left to tell of the pairs that have left and never met again."""
+        """Yield the last events of the pairs that have left and whose boxes never overlapped again."""
         for _, monitor in sorted(self._outside.items()):
             key, end = monitor.pair.key, monitor.pair.end
             yield from monitor.clear(self._history.clearances(key.a, key.b, monitor.decided, end))

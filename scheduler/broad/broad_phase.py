@@ -50,7 +50,7 @@ class BroadPhase(Iterator[Tick]):
     """
 
     def __init__(self, scene: Scene, source: WindowSource) -> None:
-        """Take the scene, and what tells the windows of its bodies."""
+        """Take the scene and the source of its bodies' windows."""
         count = len(scene.bodies)
         self._source = source
         self._anchors = anchors(scene.bodies)
@@ -86,7 +86,7 @@ class BroadPhase(Iterator[Tick]):
         return np.column_stack((first[order], second[order]))
 
     def _call(self, tick: float, start: float, body: int) -> None:
-        """Have a window of a body begin at `start`, told at `tick` (s)."""
+        """Have a window of a body begin at `start` (s), yielded at `tick` (s)."""
         if tick not in self._due:
             heapq.heappush(self._ticks, tick)
         self._due[tick].append((start, body))

@@ -74,7 +74,7 @@ class WindowHistory:
 
 
 def _meet(one: list[float], other: list[float]) -> bool:
-    """Tell whether two boxes, widened by their guards, have a point in common."""
+    """Return whether two boxes, widened by their guards, have a point in common."""
     sides = zip(one[_LOW], one[_HIGH], other[_LOW], other[_HIGH], strict=True)
     guard, others = one[2], other[2]
     return all(low - guard <= top + others and bottom - others <= high + guard for low, high, bottom, top in sides)

@@ -48,7 +48,7 @@ class Windows(NamedTuple):
 
 
 class WindowSource(Protocol):
-    """What tells the windows of a scene's bodies."""
+    """A source of the windows of a scene's bodies."""
 
     def begins(self) -> Iterable[tuple[int, float]]:
         """Return the bodies that have windows, and when (s) the first one of each begins."""

@@ -103,7 +103,7 @@ class Chain:
         self.tail = tail
         self._rests = [_plain(joint.rest) for joint in joints]
         self._end = _plain(tail)
-        self._moment: ChainState | None = None  # told last; and what was told last of rates
+        self._moment: ChainState | None = None  # returned last, with the rates returned last
         self._rates: tuple[ChainState, float, Rates] | None = None
         self.ball = extent.ball
         self.extent = extent

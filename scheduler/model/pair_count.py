@@ -24,7 +24,7 @@ def count_pairs(scene: Scene) -> PairCounts:
     """Count the pairs of bodies with shapes that exist together and can move relative to each other.
 
     Bodies of one anchor never part: their pairs are taken off again. Takes n log n for n bodies, times the number of
-    kinds of bodies that the rules tell apart.
+    kinds of bodies that the rules distinguish.
     """
     bodies = np.array([index for index, body in enumerate(scene.bodies) if body.shapes], dtype=np.int64)
     checked = ignored = 0
@@ -59,13 +59,13 @@ def _sharing_time(scene: Scene, bodies: IntArray) -> PairCounts:
 
 
 def kinds_of(rules: PairRules, bodies: IntArray) -> tuple[int, IntArray, NDArray[np.bool_]]:
-    """Return how many kinds of bodies the rules tell apart, each body's, and which two kinds' pairs are checked."""
+    """Return how many kinds of bodies the rules distinguish, each body's kind, and which kinds' pairs are checked."""
     sets = [*rules.checked, *rules.ignored]
     sides = [side for pairs in sets for side in (pairs.one, pairs.other)]
     named = np.array([[body in side for side in sides] for body in bodies.tolist()], dtype=bool)
     named = named.reshape(len(bodies), 2 * len(sets))
-    told, kind_of = np.unique(named, axis=0, return_inverse=True) if sets else (named[:1], np.zeros(len(bodies), int))
-    one, other = told[:, 0::2].astype(np.float64), told[:, 1::2].astype(np.float64)
+    kinds, kind_of = np.unique(named, axis=0, return_inverse=True) if sets else (named[:1], np.zeros(len(bodies), int))
+    one, other = kinds[:, 0::2].astype(np.float64), kinds[:, 1::2].astype(np.float64)
     first = len(rules.checked)
 
     def either(part: slice) -> NDArray[np.bool_]:
@@ -76,7 +76,7 @@ def kinds_of(rules: PairRules, bodies: IntArray) -> tuple[int, IntArray, NDArray
     allowed = either(slice(0, first))
     if rules.default:
         allowed |= ~either(slice(first, None))
-    return len(told), kind_of.reshape(-1), allowed
+    return len(kinds), kind_of.reshape(-1), allowed
 
 
 def _overlaps(one: NDArray[np.float64], other: NDArray[np.float64]) -> int:

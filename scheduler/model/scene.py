@@ -111,7 +111,7 @@ class PairSet:
     other: frozenset[int]
 
     def __contains__(self, pair: tuple[int, int]) -> bool:
-        """Tell whether the pair of bodies a, b is one of them, in either order."""
+        """Return whether the pair of bodies a, b is one of them, in either order."""
         a, b = pair
         return (a in self.one and b in self.other) or (b in self.one and a in self.other)
 
@@ -136,7 +136,7 @@ class PairRules:
     margins: tuple[tuple[PairSet, float], ...] = ()
 
     def allow(self, a: int, b: int) -> bool:
-        """Tell whether the pair of bodies a, b is checked."""
+        """Return whether the pair of bodies a, b is checked."""
         if any((a, b) in pairs for pairs in self.checked):
             return True
         return self.default and not any((a, b) in pairs for pairs in self.ignored)

@@ -18,7 +18,7 @@ class Share(NamedTuple):
     of: int
 
     def has(self, pair: int) -> bool:
-        """Tell whether the pair of this id belongs to the share."""
+        """Return whether the pair of this id belongs to the share."""
         return self.of == 1 or ((pair * _SCATTER & 0xFFFFFFFF) * self.of >> 32) == self.number
 
 

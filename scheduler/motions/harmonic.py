@@ -143,7 +143,7 @@ def _phases(motion: Harmonic | Swing, t: float, duration: float) -> tuple[float,
 
 
 def _crosses(first: float, last: float, offset: float, step: float) -> bool:
-    """Tell whether offset + k step lies in [first, last] for some integer k."""
+    """Return whether offset + k step lies in [first, last] for some integer k."""
     return offset + step * ceil((first - offset) / step) <= last
 
 

@@ -128,7 +128,7 @@ class Looped:
         """
         latest = farthest_from_zero(times)
         if self._period < SPACINGS * ulp(latest):
-            raise ValueError(f"keys that repeat every {self._period!r} s cannot be told apart at {latest!r} s")
+            raise ValueError(f"keys that repeat every {self._period!r} s cannot be distinguished at {latest!r} s")
         speed = self._own.path.fastest + self._own.turning.fastest * radius
         first = float(self.keys.times[0])
         since = self._period + farthest_from_zero((times[0] - first, times[1] - first))
@@ -142,7 +142,7 @@ class Looped:
         return float(self.keys.times[-1]) + (loop - 1) * self._period
 
     def _ends(self, loop: int) -> bool:
-        """Tell whether another loop follows."""
+        """Return whether another loop follows."""
         return loop < 0 or self.after
 
     def _since(self, loop: int, t: float) -> float:

@@ -61,7 +61,7 @@ class Rates(NamedTuple):
 
 
 class Motion(Protocol):
-    """What every motion tells."""
+    """What every motion provides."""
 
     @property
     def axis(self) -> Axis | None:

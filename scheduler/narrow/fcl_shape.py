@@ -34,7 +34,7 @@ SCALE = 2.0**60
 AGREEMENT = 1e-12
 #: m per m of size: what placing two cores may be wrong by, which decides whether they meet.
 PLACING = 16.0 * EPSILON
-#: m per m of size: where FCL told nonsense, what is so near is looked at first, and then so many times as far.
+#: m per m of size: where FCL contradicts itself, triangles so near are looked at first, and then so many times as far.
 FIRST_REACH = 1e-9
 FARTHER = 64.0
 
@@ -165,43 +165,43 @@ def cores_between(one: PlacedShape, other: PlacedShape) -> Cores:
     Nearly parallel edges mislead FCL. It may call two triangles face to face meeting, which its own nearest points
     contradict. And it may take a distance between such edges for the triangles' least; then it is misled by all that
     hold the nearest points. Of closed surfaces these are several, and it was never seen; nor does it concern points.
-    Between others a slab proves that nothing is nearer, or the triangles tell.
+    Between others a slab proves that nothing is nearer, or the triangles are measured.
     """
-    told = _told_cores(one, other)
-    if not _agrees(told):
-        return _nearest_cores(one, other, told)
-    if one.is_point or other.is_point or (one.closed and other.closed) or _parted(one, other, told):
-        return told
-    return _cores_within(one, other, told.distance) or told
+    found = _fcl_cores(one, other)
+    if not _agrees(found):
+        return _nearest_cores(one, other, found)
+    if one.is_point or other.is_point or (one.closed and other.closed) or _parted(one, other, found):
+        return found
+    return _cores_within(one, other, found.distance) or found
 
 
 def _agrees(cores: Cores) -> bool:
-    """Tell whether cores are apart, by the distance between the nearest points."""
+    """Return whether cores are apart, by the distance between the nearest points."""
     apart = norm(subtract(cores.witness_b, cores.witness_a))
     coordinates = norm(cores.witness_a) + norm(cores.witness_b)
     return cores.distance > 0.0 and abs(apart - cores.distance) <= AGREEMENT * coordinates
 
 
 def _parted(one: PlacedShape, other: PlacedShape, cores: Cores) -> bool:
-    """Tell whether a slab between the cores is as wide as their distance, to what placing them may be wrong by."""
+    """Return whether a slab between the cores is as wide as their distance, to what placing them may be wrong by."""
     along = np.array(unit(subtract(cores.witness_b, cores.witness_a)))
     width = other.heights(along).min() - one.heights(along).max()
     return bool(width >= cores.distance - PLACING * (one.extent + other.extent))
 
 
-def _nearest_cores(one: PlacedShape, other: PlacedShape, told: Cores) -> Cores:
-    """Return how far apart cores are of which FCL told nonsense; 0 where the triangles that it named do meet.
+def _nearest_cores(one: PlacedShape, other: PlacedShape, found: Cores) -> Cores:
+    """Return the distance of cores for which FCL contradicts itself; 0 where the triangles that it names do meet.
 
     It mostly does where they nearly touch, so that what is near is looked for farther and farther away.
     """
-    indices = np.array([told.triangle_a]), np.array([told.triangle_b])
-    named = nearest_of(np.array([one.corners(told.triangle_a)]), np.array([other.corners(told.triangle_b)]), indices)
+    indices = np.array([found.triangle_a]), np.array([found.triangle_b])
+    named = nearest_of(np.array([one.corners(found.triangle_a)]), np.array([other.corners(found.triangle_b)]), indices)
     if named.distance <= PLACING * (one.extent + other.extent):
-        return told._replace(distance=0.0)
+        return found._replace(distance=0.0)
     reach = FIRST_REACH * (one.reach + other.reach)
     while reach < named.distance:
-        if (found := _cores_within(one, other, reach)) is not None:
-            return found
+        if (near := _cores_within(one, other, reach)) is not None:
+            return near
         reach *= FARTHER
     return _cores_within(one, other, named.distance) or named
 
@@ -218,7 +218,7 @@ def distance_from_point(point: FloatArray, other: PlacedShape) -> float:
     return max(0.0, float(fcl.distance(probe, other.object, _PLAIN_REQUEST, fcl.DistanceResult())) / SCALE)
 
 
-def _told_cores(one: PlacedShape, other: PlacedShape) -> Cores:
+def _fcl_cores(one: PlacedShape, other: PlacedShape) -> Cores:
     """Let FCL measure the distance of two shapes' cores."""
     result = fcl.DistanceResult()
     core = fcl.distance(one.object, other.object, _DISTANCE_REQUEST, result)

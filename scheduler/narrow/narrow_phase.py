@@ -59,7 +59,7 @@ class NarrowPhase:
         return len(self._bodies) - 1
 
     def is_ball(self, body: int) -> bool:
-        """Tell whether a body is a single ball."""
+        """Return whether a body is a single ball."""
         parts = self._bodies[body]
         return len(parts) == 1 and parts[0].is_point
 
@@ -135,7 +135,7 @@ class NarrowPhase:
     ) -> float:
         """Return how much farther apart (m) two bodies are at most than what was measured of them at these poses.
 
-        Only round shapes, measured as polyhedra around them, are any farther: two points that they hold tell how far.
+        Only round shapes are farther, for they are measured as polyhedra around them: two of their points give how far.
         """
         one, other = self._bodies[a][features[0].shape], self._bodies[b][features[1].shape]
         stands_out = one.shape.chord_error + other.shape.chord_error
@@ -167,7 +167,7 @@ class NarrowPhase:
     def inscribed_radius(self, body: int, middle: Vector) -> float:
         """Return the radius (m) of a ball about a point (m) of a body's frame that one of its shapes holds.
 
-        The greatest of a solid; of what is rounded, as far as corners and middles of edges tell. Errs low, 0 if none.
+        The greatest of a solid; of rounded shapes, by corners and middles of edges. Errs low, 0 if none.
         """
         held = 0.0
         for part in self._bodies[body]:

@@ -89,7 +89,7 @@ def _height(point: Vector, face: Triangle) -> float:
 
 
 def _over(point: Vector, face: Triangle) -> bool:
-    """Tell whether a point projects into a triangle."""
+    """Return whether a point projects into a triangle."""
     normal = cross(subtract(face[1], face[0]), subtract(face[2], face[0]))
     sides = [dot(cross(subtract(face[b], face[a]), subtract(point, face[a])), normal) for a, b in _EDGES]
     return normal != ZERO and min(sides) >= 0.0

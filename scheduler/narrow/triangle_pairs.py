@@ -243,7 +243,7 @@ def _near_each_other(low: FloatArray, high: FloatArray, lows: FloatArray, highs:
 def _within(
     low: FloatArray, high: FloatArray, others_low: FloatArray, others_high: FloatArray, reach: float
 ) -> NDArray[np.bool_]:
-    """Tell which boxes come within `reach` of each other, (..., 3) against (..., 3)."""
+    """Return which boxes come within `reach` of each other, (..., 3) against (..., 3)."""
     apart = np.maximum(np.maximum(others_low - high, low - others_high), 0.0)
     near: NDArray[np.bool_] = np.einsum("...d,...d->...", apart, apart) <= reach**2
     return near

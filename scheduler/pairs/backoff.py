@@ -15,11 +15,11 @@ class Backoff:
         self._left = 0  # and how many of them still will
 
     def due(self) -> bool:
-        """Take a chance: tell whether this is one to try."""
+        """Take an opportunity: return whether to try."""
         self._left -= 1
         return self._left < 0
 
-    def tell(self, paid: bool) -> None:
+    def learn(self, paid: bool) -> None:
         """Take in whether a try paid."""
         self._pass = 0 if paid else min(MOST_PASSED, 2 * self._pass + 1)
         self._left = self._pass

@@ -127,7 +127,7 @@ class LeastDistance:
         return True
 
     def _hopeful(self, first: int, whole: float) -> bool:
-        """Tell whether the stretches from one on may be raised above the target, by what those before took.
+        """Return whether the stretches from one on may be raised above the target, by what those before took.
 
         `whole` is the guess for all.
         """

@@ -52,7 +52,7 @@ class Finding(NamedTuple):
 class Monitor:
     """The state of one pair.
 
-    Everything up to `known.time` is decided and told. `other`, if there is one, is a later measurement with another
+    Everything up to `known.time` is decided and yielded. `other`, if there is one, is a later measurement with another
     status (touching instead of clear, or clear instead of in breach): the change lies between the two, and the pair
     is woken inside until they are no further apart than the tolerance.
 
@@ -102,7 +102,7 @@ class Monitor:
         yield from self._close_bracket()
 
     def finish(self) -> Iterator[Event]:
-        """Yield what is left to tell of a pair that is decided up to its end: the least distance, and the spans."""
+        """Yield the last events of a pair that is decided up to its end: its least distance and its spans."""
         share = self._settings.distance_tolerance
         if share is not None and self._near and not self._spans.touched:
             search = LeastDistance(self.pair, self._spans.waiting, share, self._settings.time_resolution, self._tuning)
@@ -194,12 +194,12 @@ class Monitor:
         return self._ahead_of_known
 
     def _jumps_between(self, known: Measurement, measurement: Measurement) -> bool:
-        """Tell whether a jump parts two measurements: the last float before it and the jump itself are both stops."""
+        """Return whether a jump parts two measurements: the last float before it and the jump itself are both stops."""
         adjacent = measurement.time <= nextafter(known.time, inf)
         return adjacent and self.pair.motion.stop_after(known.time) == measurement.time
 
     def _takes_back(self, step: float, finding: Finding) -> bool:
-        """Tell whether a step (s) that proved nothing is to be taken back and tried finer."""
+        """Return whether a step (s) that proved nothing is to be taken back and tried finer."""
         beside_margin = finding.clearance > 0.0 and step <= self._margin_tolerance
         if finding.verdict is Verdict.UNRESOLVED and not beside_margin:
             return self._floor.failed(step)
@@ -281,7 +281,7 @@ class Monitor:
             yield _collision(self.pair, Phase.BEGIN if begins else Phase.END, clear.time, touching)
 
     def _touch_at_start(self, pair: Pair) -> Iterator[Event]:
-        """Tell whether bodies of unknown path touch while their places are still known, which is at one instant."""
+        """Return whether bodies of unknown path touch while their places are still known, which is at one instant."""
         first = pair.look_inside(pair.measure(pair.start))
         if not first.touching:
             return
@@ -308,5 +308,5 @@ def _collision(pair: Pair, phase: Phase, clear: float, touching: Measurement) ->
 
 
 def _leaves(known: Measurement, other: Measurement) -> bool:
-    """Tell whether the change between two standings is a breach's end."""
+    """Return whether the change between two standings is a breach's end."""
     return known.status is Verdict.BREACH and other.status is Verdict.CLEAR

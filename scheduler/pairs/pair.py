@@ -140,7 +140,7 @@ class Pair:
         return self.measure_beyond(t, inf)
 
     def far(self, clearance: float) -> bool:
-        """Tell whether a clearance (m) by bounding spheres says enough of a pair."""
+        """Return whether a clearance (m) by bounding spheres says enough of a pair."""
         return clearance - self.margin > FAR_IN_RADII * self.motion.radii
 
     def _measured_exactly(self, t: float, state: PairState) -> Measurement:

@@ -135,7 +135,7 @@ class Sides:
         return chain_to(self._bodies, body, ancestor, self.extents[body])
 
     def known_at(self, time: float, body: int, ancestor: int | None) -> bool:
-        """Tell whether the body is at a known place at a time (s), seen from an ancestor."""
+        """Return whether the body is at a known place at a time (s), seen from an ancestor."""
         motions = (self._bodies[index].motion for index in self._unknown(body, ancestor))
         return all(isinstance(motion, Limits) and time <= motion.begin for motion in motions)
 

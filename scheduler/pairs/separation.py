@@ -121,7 +121,7 @@ class SeparationSleep:
             sleep, bound = whole, Bound.BODY_SLAB
         suffices = whole >= min(horizon, WHOLE_SUFFICES * cheap)
         if enough:
-            self._tuning.whole.tell(suffices)
+            self._tuning.whole.learn(suffices)
         elif not suffices:
             each = shortened(here.time, self._between_triangles(horizon, cheap))
             if each > sleep:

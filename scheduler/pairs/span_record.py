@@ -54,11 +54,11 @@ class Cleared(NamedTuple):
 class SpanRecord:
     """The growing last span of a pair: neighbours of one verdict become one span.
 
-    Spans are told as they end once the pair has touched. Until then they wait for the pair's end: what is known of
+    Spans are yielded as they end once the pair has touched. Until then they wait for the pair's end: what is known of
     the least distance may still raise their clearance.
 
     Beside its margin's crossing a pair may be proved apart, but neither within the margin nor beyond. Such a sliver
-    belongs to the breach beside it: between two if no longer than the time resolution, so that one breach is told as
+    belongs to the breach beside it: between two if no longer than the time resolution, so that one breach is one
     one; else if no longer than a crossing's tolerance.
 
     Attributes:
@@ -81,7 +81,7 @@ class SpanRecord:
 
     @property
     def waiting(self) -> tuple[Stretch, ...]:
-        """The stretches that are not told yet."""
+        """The stretches that are not yielded yet."""
         return tuple(self._waiting)
 
     def replace(self, stretches: Sequence[Stretch]) -> None:

@@ -53,7 +53,7 @@ class StepFloor:
         self._pass(step)
 
     def failed(self, step: float) -> bool:
-        """Take in that a step (s) proved nothing; tell whether it is to be taken back and made finer."""
+        """Take in that a step (s) proved nothing; return whether to take it back and make it finer."""
         self._spend()
         if self._steps_left < 1.0 or step <= 2.0 * self._finest:
             self._pass(step)

@@ -32,7 +32,7 @@ class Tangent(NamedTuple):
 
     @staticmethod
     def at(measurement: Measurement) -> Tangent:
-        """Return what an exact measurement of bodies apart tells: nearest points move as their bodies do."""
+        """Return the tangent at an exact measurement of bodies apart: closest points move as their bodies do."""
         a, b, proximity = measurement.state.a, measurement.state.b, measurement.proximity
         assert proximity is not None
         across = unit(subtract(proximity.witness_b, proximity.witness_a))

@@ -36,7 +36,7 @@ Turn = tuple[float, int, int]
 
 
 class Stream(NamedTuple):
-    """What a share told.
+    """The events of a share.
 
     Attributes:
         turns: packed for `merged`.
@@ -56,20 +56,20 @@ def windows_of(packed_work: bytes, share: Share) -> Windows:
 
 
 def packed_ticks(work: Work, shares: Iterable[Windows]) -> bytes:
-    """Return the ticks of a crowd as they travel, of what `windows_of` told of all shares of the bodies."""
+    """Serialise the broad phase's ticks, made from the windows of all shares of the bodies."""
     return pickle.dumps(list(BroadPhase(work.scene, ToldWindows(Windows.joined(shares)))), pickle.HIGHEST_PROTOCOL)
 
 
 def stream(packed_work: bytes, share: Share, ticks: bytes | None = None) -> Stream:
-    """Run a share of the pairs to its end, in any process or thread, and return what it tells.
+    """Run a share of the pairs to its end, in any process or thread, and return its events.
 
-    Of a crowd, `ticks` are what `packed_ticks` told.
+    With a broad phase, `ticks` are what `packed_ticks` returned.
     """
     work, factory = unpacked(packed_work)
     before = factory.narrow_phase.seconds
     queue = WakeupQueue()
-    told: list[Tick] | None = None if ticks is None else pickle.loads(ticks)
-    crowd = None if told is None else ActivePairs(factory, work.settings, told, share)
+    known_ticks: list[Tick] | None = None if ticks is None else pickle.loads(ticks)
+    crowd = None if known_ticks is None else ActivePairs(factory, work.settings, known_ticks, share)
     pairs = factory.all(share) if crowd is None else ()
     collisions: list[tuple[Turn, Collision]] = []
     turns = packed_stream(_turns(run(pairs, work.settings, crowd, queue), queue, collisions), _TURNS_A_PACK)
@@ -88,8 +88,8 @@ def told_in_order(streams: Iterable[Stream]) -> list[Collision]:
 
     A turn that goes back, to refine, comes at once after the one before it: no other share's is earlier than that.
     """
-    told = [collision for stream in streams for collision in stream.collisions]
-    return [collision for _, collision in sorted(told, key=itemgetter(0))]
+    events = [collision for stream in streams for collision in stream.collisions]
+    return [collision for _, collision in sorted(events, key=itemgetter(0))]
 
 
 def merged(streams: Iterable[IO[bytes]]) -> Generator[Event, None, None]:
@@ -104,9 +104,9 @@ def _turns(
     """Yield the events by turns, and note the collisions among them."""
     latest: Turn = (-inf, 0, 0)
     for turn, some in groupby(events, lambda event: (*queue.turn, _part(event))):
-        told, latest = list(some), max(latest, turn)
-        collisions.extend((latest, event) for event in told if isinstance(event, Collision))
-        yield turn, told
+        events, latest = list(some), max(latest, turn)
+        collisions.extend((latest, event) for event in events if isinstance(event, Collision))
+        yield turn, events
 
 
 def _part(event: Event) -> int:

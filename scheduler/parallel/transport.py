@@ -55,9 +55,9 @@ def unpacked(packed_work: bytes) -> tuple[Work, PairFactory]:
     return _bench.get(packed_work, built)
 
 
-def packed_stream(told: Iterable[Any], together: int) -> bytes:
-    """Return whatever is told, so many at a time packed together."""
-    buffer, rest = BytesIO(), iter(told)
+def packed_stream(events: Iterable[Any], together: int) -> bytes:
+    """Serialise events, so many at a time together."""
+    buffer, rest = BytesIO(), iter(events)
     with gzip.GzipFile(fileobj=buffer, mode="wb", compresslevel=1) as pack:
         while some := list(islice(rest, together)):
             pickle.dump(some, pack, pickle.HIGHEST_PROTOCOL)

@@ -23,7 +23,7 @@ from .snapshot import alive, lifetimes, measured
 
 #: A search that found too few pairs goes on this many times as far.
 _FARTHER = 2.0
-#: Of more moving bodies than this, a collision's snapshot places only those that it tells of.
+#: Of more moving bodies than this, a collision's snapshot places only those that it shows.
 _MOST_PLACED = 64
 
 
@@ -66,9 +66,9 @@ class CrowdObserver:
             nearest = self._nearest(search, met, np.flatnonzero(there[self._solid]))
         else:
             met = sorted({*met, trigger.pair.id})  # it may be the last that its pair does
-            told = met[: self._most_pairs]
-            search = _Search(time, self._placed(time, [trigger.pair.id, *told]), touching, self._most_pairs)
-            nearest = [near for pair in told if (near := self._measured(pair, search)) is not None]
+            shown = met[: self._most_pairs]
+            search = _Search(time, self._placed(time, [trigger.pair.id, *shown]), touching, self._most_pairs)
+            nearest = [near for pair in shown if (near := self._measured(pair, search)) is not None]
         return Snapshot(time, search.poses, there, tuple(nearest), len(met), trigger)
 
     def _nearest(self, search: _Search, met: list[int], solid: IntArray) -> list[Nearness]:
@@ -208,7 +208,7 @@ class _Search:
 
 
 def _asking(kinds: IntArray, allowed: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Tell which bodies (n,) ask for those near them: of every pair that is allowed, one at least.
+    """Return which bodies (n,) ask for those near them: of every pair that is allowed, one at least.
 
     The others are of kinds that ignore each other, the largest first: those are never looked at among themselves.
 

@@ -45,14 +45,14 @@ class Observes(Protocol[SeenT_co]):
 
 
 class Touching:
-    """Which pairs touch when, both ends included, as far as collisions have been told."""
+    """Which pairs touch when, both ends included, as far as collisions have been seen."""
 
     def __init__(self) -> None:
         """Start with none."""
         self._begun: dict[int, float] = {}
         self._ended: list[tuple[float, float, int]] = []
 
-    def tell(self, collision: Collision) -> None:
+    def take(self, collision: Collision) -> None:
         """Take in a pair's next collision."""
         number = collision.pair.id
         if collision.phase is Phase.BEGIN:
@@ -95,7 +95,7 @@ def observed(
             touching.forget(decided - 3.0 * time_resolution)
         yield event
         if isinstance(event, Collision):
-            touching.tell(event)
+            touching.take(event)
             yield observer.at(event.time, touching.at(event.time), event)
     while tick is not None:
         yield observer.at(tick, touching.at(tick))
@@ -107,13 +107,13 @@ def instants(collisions: Iterable[Collision], times: Iterable[float]) -> tuple[l
     touching = Touching()
     occasions = []
     for collision in collisions:
-        touching.tell(collision)
+        touching.take(collision)
         occasions.append(Instant(collision.time, touching.at(collision.time), collision))
     return [Instant(time, touching.at(time)) for time in times], occasions
 
 
 class Taken(Generic[SeenT]):
-    """Snapshots that were taken before, at the instants that `instants` told."""
+    """Snapshots that were taken before, at the instants that `instants` returned."""
 
     def __init__(self, ticks: Iterator[SeenT], occasions: Iterator[SeenT]) -> None:
         """Take those at times and those at collisions, each in order."""

@@ -78,10 +78,10 @@ def measured(
 ) -> Nearness:
     """Measure a pair exactly; one known to be in contact reads 0 even where its surfaces are apart."""
     if pair.path_unknown:
-        told = pair.distance(pair.look_inside(pair.measure_exactly(time)))
-        assert told is not None
-        verdict = Verdict.POSSIBLE if told.distance <= pair.margin else Verdict.CLEAR
-        return Nearness(pair.key, told.distance, verdict, told.witness_a, told.witness_b)
+        nearest = pair.distance(pair.look_inside(pair.measure_exactly(time)))
+        assert nearest is not None
+        verdict = Verdict.POSSIBLE if nearest.distance <= pair.margin else Verdict.CLEAR
+        return Nearness(pair.key, nearest.distance, verdict, nearest.witness_a, nearest.witness_b)
     a, b = pair.key.a, pair.key.b
     found = narrow_phase.nearest(a, b, poses[a], poses[b])
     if pair.key.id in touching or found.distance <= (0.0 if pair.coarse else pair.error):

@@ -14,7 +14,7 @@ from .line_crossings import Surroundings
 from .triangle_crossings import meets_itself
 from .winding import winding_numbers
 
-#: So many pairs of triangles whose boxes meet are looked at to tell whether a skin meets itself.
+#: So many pairs of triangles whose boxes meet are looked at to decide whether a skin crosses itself.
 MOST_PAIRS = 100_000_000
 
 
@@ -76,13 +76,13 @@ class _Part:
         return Surroundings(self._corners)
 
     def holds(self, point: FloatArray) -> bool:
-        """Tell whether a point (3,) is inside, or whether that is not certain."""
+        """Return whether a point (3,) is inside, or whether that is not certain."""
         if abs(_winding(point, self._corners)) <= 0.5:
             return self._crossed is not False and not self._is_outside(point)
         return not any(abs(_winding(point, self._vertices[cavity])) > 0.5 for cavity in self._solid.cavities)
 
     def _is_outside(self, point: FloatArray) -> bool:
-        """Tell whether it is certain that a point (3,) that the skin winds around 0 times is outside."""
+        """Return whether it is certain that a point (3,) that the skin winds around 0 times is outside."""
         if self._surroundings.open(point[None])[0]:
             return True
         if self._crossed is None:

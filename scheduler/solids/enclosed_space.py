@@ -27,7 +27,7 @@ MOST_PAIRS = 4_000_000
 MOST_CORNERS = 64
 #: How far from such a place, in lengths of the smaller triangle, what lies around it is looked at.
 NEAR = (0.2, 1e-2, 1e-4)
-#: How near it is looked at too, only to tell whether a skin crosses itself there or touches: it may do so by a hair.
+#: How near it is looked at too, only to decide whether a skin crosses itself there or touches: it may do so by a hair.
 NEARER = (1e-6, 1e-8, 1e-10, 1e-12)
 
 
@@ -64,7 +64,7 @@ def enclosed_by(vertices: FloatArray, triangles: IntArray) -> Enclosed:
     """Return what a mesh of vertices (n, 3) m and triangles (m, 3) encloses.
 
     Raises:
-        UndecidedError: no rule can tell.
+        UndecidedError: no rule can decide.
     """
     firsts, merged = distinct_points(vertices)
     places = merged[triangles]
@@ -97,7 +97,7 @@ def enclosed_by(vertices: FloatArray, triangles: IntArray) -> Enclosed:
 
 
 def _holds_nothing(points: FloatArray, skin: Skin) -> bool:
-    """Tell whether a skin has no room inside: it winds around no point beside its triangles."""
+    """Return whether a skin has no room inside: it winds around no point beside its triangles."""
     corners = points[skin.triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(normals, axis=1)
@@ -206,7 +206,7 @@ class _Rule:
         )
 
     def _crossed(self, index: int) -> bool:
-        """Tell whether a skin crosses itself, and refuse one that encloses a space that its winding leaves open."""
+        """Return whether a skin crosses itself, and refuse one that encloses a space that its winding leaves open."""
         if index not in self._self_meetings:
             return False
         meetings = self._self_meetings[index]
@@ -307,7 +307,7 @@ class _Rule:
         return solid
 
     def _holds(self, host: int, guest: int) -> bool:
-        """Tell whether a skin lies wholly inside a larger one."""
+        """Return whether a skin lies wholly inside a larger one."""
         if (host, guest) in self._meetings:
             return False
         return bool((np.abs(self._winding(host, self._corners_of(guest))) > 0.5).all())

@@ -24,7 +24,7 @@ class Met(NamedTuple):
     """What the lines through points (k, 3) meet.
 
     Attributes:
-        winding: (k,) how often the skin winds around each; nan where an edge is too near to the line to tell.
+        winding: (k,) how often the skin winds around each; nan where an edge is too near to the line to decide.
         ahead, behind: (k,) m, how far the line is free from the point on, along the direction and against it; inf
             where it meets nothing. Errs low.
     """
@@ -110,7 +110,7 @@ class Lines:
 
 
 class Surroundings:
-    """What lies around points beside a skin, as lines along many directions tell."""
+    """What lies around points beside a skin, by lines along many directions."""
 
     def __init__(self, corners: FloatArray) -> None:
         """Take the skin's corners (m, 3, 3) m, normals outwards."""
@@ -124,7 +124,7 @@ class Surroundings:
         return self._lines[direction]
 
     def windings(self, points: FloatArray) -> FloatArray:
-        """Return (k,) how often the skin winds around points (k, 3) m; nan where none of the lines can tell."""
+        """Return (k,) how often the skin winds around points (k, 3) m; nan where none of the lines can decide."""
         placed, found = points - self._origin, np.full(len(points), np.nan)
         for direction in range(DIRECTIONS):
             left = np.flatnonzero(np.isnan(found))

@@ -271,7 +271,7 @@ def _renumbered(numbers: IntArray) -> IntArray:
 
 
 def _uncancelled(outward: IntArray, twins: IntArray) -> BoolArray:
-    """Tell which triangles of a space are left when those go that lie on each other, turned against each other."""
+    """Return which triangles of a space are left when those go that lie on each other, turned against each other."""
     left = np.ones(len(outward), dtype=bool)
     open_twins: dict[tuple[int, bool], list[int]] = {}
     for place in np.flatnonzero(twins >= 0).tolist():

@@ -75,7 +75,7 @@ def _descended(levels: list[FloatArray], level: int, i: IntArray, j: IntArray) -
 
 
 def apart(one: FloatArray, other: FloatArray) -> BoolArray:
-    """Tell which pairs of triangles (k, 3, 3), (k, 3, 3) certainly share no point; points and segments too.
+    """Return which pairs of triangles (k, 3, 3), (k, 3, 3) certainly share no point; points and segments too.
 
     Convex sets are apart where they are along one of: both normals, the cross products of edges, and the directions
     across edges in both planes.
@@ -146,7 +146,7 @@ def embedded_stars(corners: FloatArray, vertices: IntArray) -> BoolArray:
 
 
 def meets_itself(vertices: FloatArray, triangles: IntArray, most: int) -> bool:
-    """Tell whether a skin of triangles (m, 3) over vertices (n, 3) m may touch or cross itself.
+    """Return whether a skin of triangles (m, 3) over vertices (n, 3) m may touch or cross itself.
 
     It may, for all that is known, where the boxes of more than `most` pairs of triangles meet.
     """
@@ -161,7 +161,7 @@ def meets_itself(vertices: FloatArray, triangles: IntArray, most: int) -> bool:
 
 
 def meet_again(vertices: FloatArray, one: IntArray, other: IntArray, stars: BoolArray) -> BoolArray:
-    """Tell which pairs of triangles (k, 3), (k, 3) may share a point beside the corners and edges that they share.
+    """Return which pairs of triangles (k, 3), (k, 3) may share a point beside the corners and edges that they share.
 
     Args:
         vertices: (n, 3) m.
@@ -193,7 +193,7 @@ def _turned_to(triangles: IntArray, first: IntArray) -> IntArray:
 
 
 def _folded(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> BoolArray:
-    """Tell which triangles a, b, c and a, b, d (k, 3) may lie on each other."""
+    """Return which triangles a, b, c and a, b, d (k, 3) may lie on each other."""
     edge, one, other = b - a, c - a, d - a
     normal, other_normal = np.cross(edge, one), np.cross(edge, other)
     size = np.abs(np.concatenate((edge, one, other), axis=1)).max(axis=1)
