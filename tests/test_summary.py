@@ -277,6 +277,12 @@ def test_pairs_stand_by_pair_id_and_those_never_seen_count_as_clear():
     assert sum(summary["totals"]["pairs"].values()) == summary["pairs_total"]
 
 
+def test_a_log_that_names_more_pairs_than_it_counts_has_those_that_it_names():
+    summary = folded(*(span(pair, Verdict.CONTACT, 0.0, 10.0) for pair in (FIRST, SECOND, THIRD)), pairs_total=1)
+    assert summary["pairs_total"] == 3
+    assert summary["totals"]["pairs"] == {"contact": 3, "breach": 0, "unresolved": 0, "possible": 0, "clear": 0}
+
+
 def test_json_has_null_for_the_unknown_and_never_nan():
     text = to_json(
         folded(

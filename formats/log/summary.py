@@ -267,16 +267,20 @@ class SummaryBuilder:
         return findings
 
     def summary(self) -> Summary:
-        """Return the summary of the events so far, its pairs by `pair_id`."""
+        """Return the summary of the events so far, its pairs by `pair_id`.
+
+        A log of another writer may name more pairs than it says there are: then those that it names are all.
+        """
         pairs = [self._pair_summary(findings) for _, findings in sorted(self._findings.items())]
+        total = max(self._subject.pairs_total, len(pairs))
         return {
             "closecall": __version__,
             "time": list(self._subject.time),
             "settings": self._subject.settings,
-            "pairs_total": self._subject.pairs_total,
+            "pairs_total": total,
             "pairs_ignored": self._subject.pairs_ignored,
             "pairs": pairs,
-            "totals": self._totals(pairs),
+            "totals": self._totals(pairs, total),
         }
 
     def _pair_summary(self, findings: _PairFindings) -> PairSummary:
@@ -316,9 +320,9 @@ class SummaryBuilder:
         around = {self._subject.name(body): list(self._keys_around(body, time)) for body in (key.a, key.b)}
         return {name: keys for name, keys in around.items() if any(keys)}
 
-    def _totals(self, pairs: list[PairSummary]) -> Totals:
+    def _totals(self, pairs: list[PairSummary], total: int) -> Totals:
         verdicts = {verdict.name.lower(): 0 for verdict in SEVERITY}
-        verdicts["clear"] = self._subject.pairs_total - len(pairs)
+        verdicts["clear"] = total - len(pairs)
         for pair in pairs:
             verdicts[pair["verdict"]] += 1
         levels = [level.name.lower() for level in LEVELS]
