@@ -121,11 +121,13 @@ def _write(reader: LogReader, identity: Identity, choice: Choice, contents: _Con
         chunks.add_serialized(channel, message.SerializeToString(), log_time)
         taken += 1
     chunks.flush()
-    counts, loss = {f"count{name}": str(one.written) for name, one in channels.items()}, reader.loss
+    summary, loss = folding.found(None).summary, reader.loss
+    counts = {f"count{name}": str(one.written) for name, one in channels.items()}
+    counts["count/pairs"] = str(summary["pairs_total"])  # a log of another writer may name more than it counts
     chunks.add_metadata(METADATA, values | counts | ({} if loss is None else {LOST: loss.told}))
     if loss is None:
-        summary = to_json(folding.found(None).summary).encode()
-        chunks.add_attachment(SUMMARY, "application/json", summary, identity.log_time(identity.end))
+        data = to_json(summary).encode()
+        chunks.add_attachment(SUMMARY, "application/json", data, identity.log_time(identity.end))
     chunks.finish()
     return Part(taken, count, len(contents.pairs), loss)
 
