@@ -49,6 +49,7 @@ FEW_PAIRS = 1000
 class Result:
     """The findings, warnings and notes of a run, and the wall-clock seconds of its parts.
 
+    `length_unit` is that of the scene file, for texts that people read; the summary is in m.
     `schedule` is the loop with its measurements, of which `fcl` is a part, summed over all processes; `log` is writing.
     """
 
@@ -56,6 +57,7 @@ class Result:
     warnings: tuple[str, ...]
     note: str | None
     seconds: dict[str, float]
+    length_unit: str = "m"
 
     def finds(self, wanted: Sequence[str]) -> bool:
         """Tell whether any pair has one of the wanted verdicts."""
@@ -103,7 +105,8 @@ def run_job(scene_path: Path, output: Path, options: RunOptions) -> Result:
         "log": writing + done - scheduled,
         "total": done - began,
     }
-    return Result(summary, (*loaded.warnings, *doubts(summary["pairs"])), note, seconds)
+    unit = loaded.length_unit
+    return Result(summary, (*loaded.warnings, *doubts(summary["pairs"], unit)), note, seconds, unit)
 
 
 def _run_here(work: Work, options: RunOptions) -> Events:

@@ -87,7 +87,7 @@ class Golden:
             golden.parent.mkdir(exist_ok=True)
             golden.write_bytes(new.read_bytes())
         elif problem:
-            pytest.fail(f"{problem}\nthe new log: {new}\nif it is right: pytest {_UPDATE}", pytrace=False)
+            pytest.fail(f"{problem}\nnew log: {new}\nto accept it: pytest {_UPDATE}", pytrace=False)
 
     def _run(self, scene: Path, log: Path, options: Sequence[str]) -> Path:
         __tracebackhide__ = True
@@ -113,12 +113,12 @@ class Golden:
         from ..formats.log.errors import LogError
 
         if not golden.exists():
-            return f"there is no golden log {golden}"
+            return f"the golden log {golden} does not exist"
         try:
             found = compare(golden, new, rules)
         except LogError as fault:
             return str(fault)
-        lines = [str(loss) for loss in found.losses] + [sentence(one) for one in found.largest(10)]
+        lines = [str(loss) for loss in found.losses] + [sentence(one, found.length_unit) for one in found.largest(10)]
         more = len(found.differences) - 10
         lines += [f"... and {more} more: closecall diff {golden} {new}"] * (more > 0)
         return "\n".join(lines)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from decimal import ROUND_FLOOR, Context
+from decimal import ROUND_FLOOR
 from math import inf
 from typing import Any
 
@@ -19,6 +19,7 @@ from ..formats.log.diff.wording import between
 from ..formats.log.severity import VERDICTS, badness, nearness
 from ..formats.log.summary import PairSummary, Summary
 from ..formats.log.tables.escapes import json_text
+from ..formats.scene.quantities.lengths import at_least_text, length_number, length_text
 from ..formats.scene.text.errors import counted, printable
 from .terminal import cell, say
 
@@ -91,14 +92,20 @@ def print_seconds(seconds: Mapping[str, float]) -> None:
 
 
 def print_summary(
-    summary: Summary, shown: list[PairSummary] | None = None, chosen: int | None = None, to_stderr: bool = False
+    summary: Summary,
+    unit: str,
+    shown: list[PairSummary] | None = None,
+    chosen: int | None = None,
+    to_stderr: bool = False,
 ) -> None:
-    """Print pairs, and the totals of all.
+    """Print a table of pairs, and the totals of all pairs.
 
     Args:
         summary: of the run.
-        shown: the pairs to print; the worst if not given.
-        chosen: how many there would be to print, all if not given.
+        unit: of lengths in the table.
+        shown: the pairs to print; by default the worst.
+        chosen: how many pairs the user selected; by default all.
+        to_stderr: whether to print on stderr.
     """
     if shown is None:
         shown = sorted(summary["pairs"], key=badness)[:MOST_ROWS]
@@ -108,16 +115,16 @@ def print_summary(
         (
             cell(pair["pair"].replace("|", " | ")),
             cell(pair["verdict"], STYLES[pair["verdict"]]),
-            cell(_distance(pair)),
+            cell(_distance(pair, unit)),
             cell(_contacts(pair)),
         )
         for pair in shown
     ]
     if shown or not summary["pairs"]:
-        print_rows(console, ("pair", "verdict", "least distance", "when"), rows)
+        print_rows(console, ("pair", "verdict", "minimum distance", "time"), rows)
     else:
         console.print("no listed pair matches")
-    for note in _notes(summary, shown):
+    for note in _notes(summary, shown, unit):
         console.print(note)
     if more:
         console.print(f"... and {counted(more, 'more pair')}")
@@ -149,28 +156,24 @@ ORDERS: dict[str, Callable[[PairSummary], Any]] = {
 }
 
 
-def _distance(pair: PairSummary) -> str:
-    """Return what is known of the pair's least distance."""
+def _distance(pair: PairSummary, unit: str) -> str:
+    """Return the bracket of the pair's minimum distance in `unit`, and the time of its upper end."""
     lower, upper, time = pair["distance"]["lower"], pair["distance"]["upper"], pair["distance"]["time"]
     if upper is None or time is None:
-        return f"above {_at_least(lower)} m" if lower > 0.0 else "unknown"
+        return f"above {at_least_text(lower, unit)}" if lower > 0.0 else "unknown"
     if upper == 0.0:
         return "0"
     wide = "" if why_wide(pair["distance"]) is None else ", wide"
-    return f"{_at_least(lower)} .. {upper:.6g} m at {seconds_told(time)} s{wide}"
+    least = length_number(lower, unit, 4, ROUND_FLOOR)
+    return f"{least} .. {length_text(upper, unit)} at {seconds_told(time)} s{wide}"
 
 
-def _notes(summary: Summary, shown: Iterable[PairSummary]) -> list[str]:
-    """Return why least distances, or times of contacts, are known less well than usual, and what would help."""
+def _notes(summary: Summary, shown: Iterable[PairSummary], unit: str) -> list[str]:
+    """Return why brackets of minimum distances or of contact times are wider than usual, and what would help."""
     found = dict.fromkeys(why for pair in shown if (why := why_wide(pair["distance"])) is not None)
-    limit = promised(summary["settings"].get("distance_tolerance"))
+    limit = promised(summary["settings"].get("distance_tolerance"), unit)
     coarse = coarseness_told(summary["settings"].get("contact_tolerance") or 0.0, *summary["time"])
-    return [f"wide: not known to {limit}: {why}" for why in found] + [f"note: {coarse}"] * bool(coarse)
-
-
-def _at_least(lower: float) -> str:
-    """Return a lower bound in four digits, rounded down."""
-    return f"{float(Context(prec=4, rounding=ROUND_FLOOR).create_decimal(repr(lower))):.4g}"
+    return [f"wide: the bracket is wider than {limit}: {why}" for why in found] + [f"note: {coarse}"] * bool(coarse)
 
 
 def _contacts(pair: PairSummary) -> str:
@@ -180,7 +183,7 @@ def _contacts(pair: PairSummary) -> str:
         return _spans(pair)
     first = contacts[0]
     lost = any(start > first["begin"][1] for start, _ in pair["unresolved"])
-    unended = "an end that is not known" if lost else "the end"
+    unended = "an unknown end" if lost else "the end"
     end = unended if first["end"] is None else f"{seconds_told(first['end'][0], 7)} s"
     keys = ", ".join(f"{body} {between(*around)}" for body, around in first["keys"].items())
     more = f" and {len(contacts) - 1} more" if len(contacts) > 1 else ""

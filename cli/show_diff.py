@@ -1,4 +1,4 @@
-"""A comparison of two logs, as people and programs read it."""
+"""A comparison of two logs as a table and as JSON."""
 
 from __future__ import annotations
 
@@ -17,42 +17,42 @@ from ..formats.scene.text.errors import counted
 from .show import console_for
 from .terminal import cell
 
-#: Causes that a reviewer should see first.
+#: Causes in bold red.
 _GRAVE = (Cause.VERDICT, Cause.CONTACT_APPEARED, Cause.PAIR_REMOVED)
 
-#: Characters. On a narrower terminal columns would be folded into ribbons: there each difference is a sentence.
+#: Characters. A narrower terminal cannot hold the columns; there each difference is one sentence.
 _TABLE_WIDTH = 100
 
 
 def print_comparison(comparison: Comparison, most: int) -> None:
-    """Print the largest differences by cause, the first in time, and how much agrees."""
+    """Print the largest differences by cause, the first difference in time, and the totals."""
     console = console_for()
     counts = comparison.by_cause()
     for cause, group in groupby(comparison.largest(most), key=lambda one: one.cause):
         shown = list(group)
-        _print_cause(console, cause, shown, counts[cause])
+        _print_cause(console, cause, shown, counts[cause], comparison.length_unit)
     for note in comparison.notes:
         console.print(cell(f"note: {note}", "dim"))
     first = comparison.first
     if first is None:
-        same = "the same in what could be read" if comparison.losses else "the same"
+        same = "no differences in the readable parts" if comparison.losses else "no differences"
         console.print(f"{same}: {counted(len(comparison.pairs), 'pair')}")
         return
-    console.print(cell(f"first: {sentence(first)}"))
+    console.print(cell(f"first: {sentence(first, comparison.length_unit)}"))
     differ = len({one.subject for one in comparison.differences} & set(comparison.pairs))
     pairs = counted(len(comparison.pairs), "pair")
-    console.print(f"different: {counted(len(comparison.differences), 'difference')}, in {differ} of {pairs}")
+    console.print(f"{counted(len(comparison.differences), 'difference')} in {differ} of {pairs}")
 
 
-def _print_cause(console: Console, cause: Cause, shown: list[Difference], count: int) -> None:
-    """Print a heading and a row for each difference; what does not fit a line is folded, never cut."""
+def _print_cause(console: Console, cause: Cause, shown: list[Difference], count: int, unit: str) -> None:
+    """Print a heading and one row per difference, with lengths in `unit`; long rows are folded, never cut."""
     heading = f"{cause.label}: {count}"
     if len(shown) < count:
         heading += f", the largest {len(shown)}" if len(shown) > 1 else ", the largest"
     console.print(cell(heading, "bold red" if cause in _GRAVE else "bold"))
     if console.width < _TABLE_WIDTH:
         for one in shown:
-            text = ", at ".join(part for part in (told(one), place(one)) if part)
+            text = ", at ".join(part for part in (told(one, unit), place(one)) if part)
             subject = f"{one.subject.replace('|', ' | ')}: " if one.subject else ""
             console.print(Padding(cell(f"{subject}{text}"), (0, 0, 0, 2), expand=False))
         return
@@ -60,12 +60,12 @@ def _print_cause(console: Console, cause: Cause, shown: list[Difference], count:
     for _ in range(3):
         table.add_column(overflow="fold")
     for one in shown:
-        table.add_row(cell(one.subject.replace("|", " | ")), cell(told(one)), cell(place(one), "dim"))
+        table.add_row(cell(one.subject.replace("|", " | ")), cell(told(one, unit)), cell(place(one), "dim"))
     console.print(Padding(table, (0, 0, 0, 2), expand=False))
 
 
 def as_values(comparison: Comparison, golden: Path, new: Path) -> dict[str, Any]:
-    """Return a comparison as JSON holds it: all differences, those that matter most first; unknown numbers are null."""
+    """Return all differences for JSON, in SI units and most important first; unknown numbers are null."""
     first = comparison.first
     return {
         "golden": str(golden),
@@ -73,14 +73,14 @@ def as_values(comparison: Comparison, golden: Path, new: Path) -> dict[str, Any]
         "same": not (comparison.differences or comparison.losses),
         "pairs_compared": len(comparison.pairs),
         "by_cause": {cause.label: count for cause, count in comparison.by_cause().items()},
-        "first": None if first is None else _values(first),
-        "differences": [_values(one) for one in by_size(comparison.differences)],
+        "first": None if first is None else _values(first, comparison.length_unit),
+        "differences": [_values(one, comparison.length_unit) for one in by_size(comparison.differences)],
         "notes": list(comparison.notes),
         "lost": [str(loss) for loss in comparison.losses],
     }
 
 
-def _values(one: Difference) -> dict[str, Any]:
+def _values(one: Difference, unit: str) -> dict[str, Any]:
     numbers = {name: _number(getattr(one, name)) for name in ("golden", "new", "change")}
     return {
         "cause": one.cause.label,
@@ -91,7 +91,7 @@ def _values(one: Difference) -> dict[str, Any]:
         "proved": one.proved,
         "keys": one.keys,
         "count": one.count,
-        "text": sentence(one),
+        "text": sentence(one, unit),
     }
 
 

@@ -1,4 +1,4 @@
-"""What `closecall check` prints of a scene."""
+"""The output of `closecall check`: how a scene was read."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import numpy as np
 
 from ..formats.log.container.clock import coarseness_told
 from ..formats.scene.loaded import LoadedScene
+from ..formats.scene.quantities.lengths import length_number, length_text
 from ..formats.scene.text.errors import counted
 from ..scheduler.geometry.arrays import IntArray
 from ..scheduler.model.pair_count import count_pairs
@@ -24,9 +25,9 @@ from .terminal import cell, say
 
 #: Rows of the table for people.
 MOST_ROWS = 40
-#: Ignored pairs that are named.
+#: Ignored pairs in the output.
 MOST_NAMED = 8
-#: Stretches of a motion, from knot to knot, in which its top speed is sought. Of a longer one it is not told.
+#: Intervals between knots that a search for the top speed visits. A motion with more has no top speed in the output.
 MOST_STRETCHES = 20_000
 
 # The names that the scene file has for classes of other names.
@@ -34,7 +35,13 @@ _MOTION_NAMES: dict[type, str] = {Looped: "keyframes", Trapezoid: "profile"}
 
 
 def understood(loaded: LoadedScene, pairs: int, margins: list[float]) -> dict[str, Any]:
-    """Return what was understood, in SI units, null for what is not there: so many pairs, with these margins."""
+    """Return how a scene was read, in SI units for JSON; absent values are null.
+
+    Args:
+        loaded: the scene.
+        pairs: how many pairs a run checks.
+        margins: of these pairs, m.
+    """
     scene, settings = loaded.scene, loaded.settings
     files = {file.name for file in loaded.trajectory_files}
     return {
@@ -59,16 +66,16 @@ def understood(loaded: LoadedScene, pairs: int, margins: list[float]) -> dict[st
 
 
 def print_understood(loaded: LoadedScene, pairs: int, margins: list[float]) -> None:
-    """Print the bodies as a table, then pairs and times."""
-    scene, settings = loaded.scene, loaded.settings
+    """Print the bodies as a table, then pairs and times, with lengths in the unit of the scene."""
+    scene, settings, unit = loaded.scene, loaded.settings, loaded.length_unit
     console = console_for()
     rows, recorded = [], []
     files = {file.name for file in loaded.trajectory_files}
     for body in scene.bodies[:MOST_ROWS]:
         told = _body(scene, body, files)
-        size = "" if told["size"] is None else _lengths(told["size"])
+        size = "" if told["size"] is None else _lengths(told["size"], unit)
         recorded += _recorded_lines(told)
-        rows.append([*map(cell, (told["name"], told["parent"] or "", _motion(told), _shapes(told), size))])
+        rows.append([*map(cell, (told["name"], told["parent"] or "", _motion(told, unit), _shapes(told), size))])
     print_rows(console, ("body", "parent", "motion", "shapes (triangles)", "size"), rows)
     if len(scene.bodies) > MOST_ROWS:
         console.print(f"... and {counted(len(scene.bodies) - MOST_ROWS, 'more body', 'more bodies')}")
@@ -81,12 +88,12 @@ def print_understood(loaded: LoadedScene, pairs: int, margins: list[float]) -> N
     )
     others = f"; {ignored} ignored: {_named_ignored(scene, ignored)}" if ignored else ""
     if still := possible - pairs - ignored:
-        others += f"; {still} never move relative to each other, or never meet in time"
+        others += f"; {still} never move relative to each other, or never exist at the same time"
     console.print(f"{bodies}, {pairs} of {counted(possible, 'pair')} to check{others}")
     margins = [margin for margin in margins if margin > 0.0]
     if margins:
         more = f" and {len(margins) - 5} more" if len(margins) > 5 else ""
-        console.print(f"margins {', '.join(f'{margin:.6g}' for margin in margins[:5])} m{more}")
+        console.print(f"margins {', '.join(length_number(margin, unit) for margin in margins[:5])} {unit}{more}")
     console.print(f"from {scene.start:g} to {scene.end:g} s, time resolution {settings.time_resolution:g} s")
     coarse = coarseness_told(settings.contact_tolerance, scene.start, scene.end)
     if coarse:
@@ -101,7 +108,7 @@ def _file_meshes(loaded: LoadedScene) -> list[Mesh]:
 
 
 def _mesh(mesh: Mesh) -> dict[str, Any]:
-    """Return what a mesh encloses: its solids, and each cavity with its size (m) and that of the solid around it."""
+    """Return the solids and cavities of a mesh; each cavity with its size (m) and the size of the solid around it."""
     return {
         "name": mesh.name,
         "solids": len(mesh.solids),
@@ -120,18 +127,19 @@ def _spans(mesh: Mesh, triangles: IntArray) -> list[float]:
 
 
 def _enclosed(loaded: LoadedScene) -> Iterator[str]:
-    """Yield a line for each mesh file, what reads as solid, and one for each of its cavities."""
+    """Yield one line per mesh file with its solids, and one line per cavity."""
     for told in map(_mesh, _file_meshes(loaded)):
         cavities = f", {counted(len(told['cavities']), 'cavity', 'cavities')}" if told["cavities"] else ""
-        solids = counted(told["solids"], "solid") if told["solids"] else "a surface, nothing inside"
+        solids = counted(told["solids"], "solid") if told["solids"] else "a surface that encloses no solid"
         yield f"mesh {told['name']}: {solids}{cavities}"
         for cavity in told["cavities"]:
-            yield f"mesh {told['name']}: cavity of {_lengths(cavity['size'])} in a part of {_lengths(cavity['around'])}"
+            size, around = (_lengths(cavity[key], loaded.length_unit) for key in ("size", "around"))
+            yield f"mesh {told['name']}: cavity of {size} in a solid of {around}"
 
 
-def _lengths(lengths: list[float]) -> str:
-    """Return three lengths (m) in words."""
-    return " x ".join(f"{length:.3g}" for length in lengths) + " m"
+def _lengths(lengths: list[float], unit: str) -> str:
+    """Return three lengths (m) as text in `unit`."""
+    return " x ".join(length_number(length, unit, 3) for length in lengths) + f" {unit}"
 
 
 def _named_ignored(scene: Scene, count: int) -> str:
@@ -147,24 +155,28 @@ def _possible(scene: Scene) -> int:
     return solid * (solid - 1) // 2
 
 
-def _motion(told: dict[str, Any]) -> str:
-    """Return the law of a body's motion with its top speeds, as far as they are known and not 0."""
+def _motion(told: dict[str, Any], unit: str) -> str:
+    """Return the law of a body's motion with its top speeds, except unknown and zero speeds; lengths are in `unit`."""
     speed, turning = told["top_speed"], told["top_angular_speed"]
-    parts = (told["motion"], f"{speed:.3g} m/s" if speed else "", f"{degrees(turning):.3g} deg/s" if turning else "")
+    parts = (
+        told["motion"],
+        f"{length_text(speed, unit, 3)}/s" if speed else "",
+        f"{degrees(turning):.3g} deg/s" if turning else "",
+    )
     return ", ".join(filter(None, parts))
 
 
 def _shapes(told: dict[str, Any]) -> str:
-    """Return how many shapes a body has, and of how many triangles; those of spheres and capsules are not counted."""
+    """Return the number of shapes and of triangles of a body; spheres and capsules have no triangles."""
     triangles = f" ({told['triangles']})" if told["triangles"] else ""
     return f"{told['shapes'] or ''}{triangles}"
 
 
 def print_ignores(scene: Scene, pairs: Sequence[Pair]) -> None:
-    """Print the pairs that touch when both bodies are first there, as the scene's `pairs` section."""
+    """Print, as a `pairs` section, the pairs that touch when both bodies first exist."""
     touching = [pair for pair in pairs if pair.look_inside(pair.measure(pair.start)).touching]
     if not touching:
-        say("no pair that is checked touches at the start", to_stderr=True)
+        say("no checked pair touches at the start", to_stderr=True)
         return
     say("pairs:")
     say("  ignore:")
@@ -174,13 +186,13 @@ def print_ignores(scene: Scene, pairs: Sequence[Pair]) -> None:
 
 
 def _in_yaml(name: str) -> str:
-    """Return a name in double quotes, what does not print or YAML would not have raw as its number."""
+    """Return a name in double quotes for YAML, with an escape for each character that is not printable."""
     quoted = json.dumps(name, ensure_ascii=False)
     return "".join(c if c.isprintable() else f"\\U{ord(c):08X}" for c in quoted)
 
 
 def _body(scene: Scene, body: Body, files: Container[str]) -> dict[str, Any]:
-    """Return what is told of a body; those whose names are in `files` move along a trajectory file."""
+    """Return how a body was read; bodies named in `files` follow a trajectory file."""
     speeds = [speed if isfinite(speed) else None for speed in _top_speeds(scene, body)]
     triangles = sum(len(shape.mesh.triangles) for shape in body.shapes if shape.radius == 0.0)
     return {
@@ -199,7 +211,7 @@ def _body(scene: Scene, body: Body, files: Container[str]) -> dict[str, Any]:
 
 
 def _recorded(body: Body) -> dict[str, Any] | None:
-    """Return how many poses a trajectory file has, from when to when (scene s), how often and with what largest gap.
+    """Return the poses of a trajectory file: their count, first and last scene time (s), rate and largest gap (s).
 
     The rate is one over the median time between poses, in Hz. With a single pose there is neither rate nor gap.
     """
@@ -207,7 +219,7 @@ def _recorded(body: Body) -> dict[str, Any] | None:
     if not isinstance(keys, Keyframes):
         return None
     gaps = np.diff(keys.times)
-    widest = int(np.argmax(gaps > (1.0 - 1e-9) * gaps.max())) if len(gaps) else 0  # the first of those that are alike
+    widest = int(np.argmax(gaps > (1.0 - 1e-9) * gaps.max())) if len(gaps) else 0  # the first of equal gaps
     return {
         "poses": len(keys.times),
         "time": [float(keys.times[0]), float(keys.times[-1])],
@@ -218,15 +230,15 @@ def _recorded(body: Body) -> dict[str, Any] | None:
 
 
 def _recorded_lines(told: dict[str, Any]) -> list[str]:
-    """Return the line that tells of a body's trajectory file, if it moves by one."""
+    """Return the line about a body's trajectory file, if it has one."""
     recorded = told["recorded"]
     if recorded is None:
         return []
     first, last = recorded["time"]
-    text = f"{told['name']} is recorded: {counted(recorded['poses'], 'pose')} from {first:.6g} to {last:.6g} s"
+    text = f"{told['name']}: {counted(recorded['poses'], 'recorded pose')} from {first:.6g} to {last:.6g} s"
     if recorded["rate"] is None:
         return [text]
-    largest = f"largest gap {recorded['largest_gap']:.3g} s, from {recorded['largest_gap_from']:.6g} s on"
+    largest = f"largest gap {recorded['largest_gap']:.3g} s, after {recorded['largest_gap_from']:.6g} s"
     return [f"{text} ({last - first:.6g} s), {recorded['rate']:.4g} Hz, {largest}"]
 
 

@@ -50,7 +50,7 @@ def test_a_geneva_pin_whose_least_distance_is_not_found_says_so_in_every_output(
     assert distance["help"]
     why = "more measurements are needed than a pair may take"
     assert re.search(r"^driver \| wheel +clear +\S+ \.\. \S+ m at \S+ s, wide +$", table, re.MULTILINE)
-    assert f"wide: not known to 1% or 1e-06 m: {why}; {distance['help']}" in table
+    assert f"wide: the bracket is wider than 1% or 1e-6 m: {why}; {distance['help']}" in table
     closecall_inside("report", "out.mcap", "-o", "page.html", cwd=tmp_path)
     page = (tmp_path / "page.html").read_text()
     assert f"a wide bracket, because {why}; {distance['help']}" in page

@@ -85,12 +85,12 @@ def test_the_table_tells_every_body_the_pairs_and_the_times(run) -> None:
     assert done.code == 0
     rows = {line.split()[0]: line.split()[1:] for line in done.out.splitlines() if line.strip()}
     assert rows["body"] == ["parent", "motion", "shapes", "(triangles)", "size"]
-    assert rows["bench"] == ["fixed", "1", "(12)", "0.6", "x", "0.4", "x", "0.02", "m"]
-    assert rows["carriage"] == ["harmonic,", "0.126", "m/s"]
-    assert rows["tool"] == ["carriage", "keyframes,", "0.02", "m/s", "2", "0.06", "x", "0.06", "x", "0.07", "m"]
-    assert rows["flap"] == ["fixed", "1", "(1)", "0.3", "x", "0.3", "x", "0", "m"]
+    assert rows["bench"] == ["fixed", "1", "(12)", "600", "x", "400", "x", "20", "mm"]
+    assert rows["carriage"] == ["harmonic,", "126", "mm/s"]
+    assert rows["tool"] == ["carriage", "keyframes,", "20", "mm/s", "2", "60", "x", "60", "x", "70", "mm"]
+    assert rows["flap"] == ["fixed", "1", "(1)", "300", "x", "300", "x", "0", "mm"]
     assert "\n5 bodies, 3 of 6 pairs to check; " in done.out
-    assert rows["margins"] == ["0.004,", "0.012", "m"]
+    assert rows["margins"] == ["4,", "12", "mm"]
     assert rows["from"] == ["0", "to", "2", "s,", "time", "resolution", "0.001", "s"]
 
 
@@ -101,8 +101,8 @@ def test_each_cavity_is_named_with_the_part_that_it_is_cut_from(run, folder: Pat
     (folder / "cell.yaml").write_text(CELL.replace("bodies:", meshes))
     lines = run("check", "cell.yaml").out.splitlines()
     assert "mesh hollow: 2 solids, 1 cavity" in lines
-    assert "mesh hollow: cavity of 0.05 x 0.05 x 0.05 m in a part of 0.2 x 0.2 x 0.2 m" in lines
-    assert "mesh plate: a surface, nothing inside" in lines
+    assert "mesh hollow: cavity of 50 x 50 x 50 mm in a solid of 200 x 200 x 200 mm" in lines
+    assert "mesh plate: a surface that encloses no solid" in lines
     told = json.loads(run("check", "cell.yaml", "--json").out)["meshes"]
     assert [(mesh["name"], mesh["solids"]) for mesh in told] == [("hollow", 2), ("plate", 0)]
     assert told[0]["cavities"] == [{"size": pytest.approx([0.05] * 3), "around": pytest.approx([0.2] * 3)}]
@@ -114,7 +114,7 @@ def test_a_pipe_gets_a_line_for_each_body(folder: Path) -> None:
     environment = {name: value for name, value in os.environ.items() if name != "COLUMNS"}
     done = subprocess.run(command("check", "cell.yaml"), env=environment, capture_output=True, text=True, check=True)
     (row,) = [line for line in done.stdout.splitlines() if line.startswith(path)]
-    assert row.endswith(" m")
+    assert row.rstrip().endswith(" mm")
     assert len(done.stdout.splitlines()) == 10
 
 
@@ -248,7 +248,7 @@ def test_suggested_ignores_pasted_into_the_scene_make_the_touching_pairs_vanish(
     scene.write_text(OVERLAPPING + suggested.out)
     assert json.loads(run("check", "s.yaml", "--json").out)["pairs"] == before - 3
     again = run("check", "s.yaml", "--suggest-ignores")
-    assert again == Done(0, "", "no pair that is checked touches at the start\n")
+    assert again == Done(0, "", "no checked pair touches at the start\n")
 
 
 def escaped(name: str) -> str:

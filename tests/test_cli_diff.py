@@ -91,7 +91,7 @@ def test_json_has_every_difference_and_the_first(folder):
 def test_limit_says_how_many_are_not_shown(folder):
     shown = closecall_inside("diff", "golden.mcap", "new.mcap", "--limit", "2", cwd=folder).stdout
     assert "contact appeared: 2, the largest\n" in shown
-    assert "different: 5 differences, in 2 of 9 pairs" in shown
+    assert "5 differences in 2 of 9 pairs" in shown
 
 
 def test_junit_has_a_case_for_every_pair(folder, tmp_path):

@@ -45,7 +45,7 @@ def test_a_recorded_path_tells_its_rate_its_time_and_its_largest_gap(folder: Pat
         "largest_gap": pytest.approx(0.9),
         "largest_gap_from": pytest.approx(-0.2),
     }
-    line = "drone is recorded: 7 poses from -0.5 to 0.9 s (1.4 s), 10 Hz, largest gap 0.9 s, from -0.2 s on"
+    line = "drone: 7 recorded poses from -0.5 to 0.9 s (1.4 s), 10 Hz, largest gap 0.9 s, after -0.2 s"
     assert line in " ".join(checked(folder, motion).split())
 
 
@@ -58,7 +58,7 @@ def test_a_single_pose_has_neither_rate_nor_gap(folder: Path) -> None:
         "largest_gap": None,
         "largest_gap_from": None,
     }
-    assert "drone is recorded: 1 pose from 0 to 0 s\n" in checked(folder, motion)
+    assert "drone: 1 recorded pose from 0 to 0 s\n" in checked(folder, motion)
 
 
 def test_keys_in_the_scene_are_not_recorded(folder: Path) -> None:

@@ -244,7 +244,7 @@ def compared(golden: Path, case: Case, folder: Path) -> Comparison:
 def test_a_reviewer_hears_of_what_matters_and_of_nothing_else(name: str, golden: Path, tmp_path: Path) -> None:
     case = CASES[name]
     found = compared(golden, case, tmp_path)
-    said = [sentence(one) for one in found.differences]
+    said = [sentence(one, found.length_unit) for one in found.differences]
     assert {cause.label: count for cause, count in found.by_cause().items()} == case.says, said
     assert found.losses == ()
     assert case.words in "\n".join(said)
@@ -293,7 +293,8 @@ def test_what_viewers_get_is_the_same_of_another_epoch_and_version(tmp_path):
     assert compare(one, tmp_path / "newer.mcap", Rules(), every_topic=True).differences == ()
     rewrite(one, tmp_path / "drawn.mcap", edited("/viz/clearance", lambda message: False, first=1))
     found = compare(one, tmp_path / "drawn.mcap", Rules(), every_topic=True)
-    assert [sentence(found) for found in found.differences] == ["/viz/clearance: messages missing: 1 message, at 0 s"]
+    said = [sentence(one, found.length_unit) for one in found.differences]
+    assert said == ["/viz/clearance: messages missing: 1 message, at 0 s"]
 
 
 def test_a_reviewer_is_told_what_is_no_difference(golden, tmp_path):

@@ -84,6 +84,8 @@ def told_by_all(folder: Path, log: MadeLog, *commands: list[str]) -> set[str]:
         ("margins", '[["a", "b", 1]]'),
         ("margins", '[[["a"], ["b"], -1]]'),
         ("margins", '[[["a"], [["b"]], 1]]'),
+        ("length_unit", "parsec"),
+        ("length_unit", ""),
         ("version", None),
         ("scene_sha256", None),
         ("start", None),

@@ -46,12 +46,12 @@ def test_other_texts_are_not_lengths(text: str) -> None:
         (0.035, "mm", "35 mm"),
         (0.0254, "in", "1 in"),
         (1 / 3, "m", "0.333333 m"),
-        (1e-9, "m", "1e-09 m"),
-        (1e-9, "mm", "0.000001 mm"),
+        (1e-9, "m", "1e-9 m"),
+        (1.25e-9, "mm", "1.25e-6 mm"),
         (123456.7, "m", "123457 m"),
         (1234567.8, "m", "1234570 m"),
         (1.0, "ft", "3.28084 ft"),
-        (1e31, "m", "1e+31 m"),
+        (1e31, "m", "1e31 m"),
     ],
 )
 def test_a_length_is_told_in_six_digits_of_its_unit(metres: float, unit: str, text: str) -> None:

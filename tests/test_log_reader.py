@@ -320,12 +320,13 @@ def test_the_summary_is_found_without_an_index_too(log):
 
 def test_logs_that_say_less_of_their_run_are_read_too(log, tmp_path):
     """As those of versions did that knew no margins of pairs in their logs."""
-    newer = {"margins", "exists", "chord_errors", "count/ignored"}
+    newer = {"margins", "exists", "chord_errors", "count/ignored", "length_unit"}
     path = tmp_path / "older.mcap"
     rewrite(log, path, metadata=lambda name, values: {key: values[key] for key in values.keys() - newer})
     with LogReader(path) as reader:
         assert reader.identity.margin("größe", "hammer") == 0.0
         assert reader.identity.shared_time("größe", "hammer") == (0.0, 10.0)
+        assert reader.identity.length_unit == "m"
     folded = fold(path)
     assert folded.loss is None
     assert [pair["pair"] for pair in folded.summary["pairs"]] == ["größe|hammer"]

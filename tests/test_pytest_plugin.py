@@ -53,7 +53,7 @@ def project(pytester: pytest.Pytester) -> Path:
 def test_goldens_are_written_when_asked_for_then_compared_and_updated_where_they_differ(project, pytester):
     missing = run_pytest(pytester)
     assert missing.returncode == 1
-    assert "there is no golden log" in missing.stdout
+    assert "does not exist" in missing.stdout
     assert "--closecall-update" in missing.stdout
     assert not (project / "test_scenes").exists()
 

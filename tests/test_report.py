@@ -146,8 +146,8 @@ def test_a_cut_log_gives_a_page_with_a_banner_and_exit_3(log: Path, tmp_path: Pa
     assert done.returncode == 3
     assert "unfinished at byte" in done.stderr
     cut = Parsed((tmp_path / "cut.html").read_text())
-    assert "Not the whole log. The log is unfinished at byte" in cut.text
-    assert re.search(r"its end is not known; nothing is known of [\d.]+ to 5 s, which the log has lost", cut.text)
+    assert "Incomplete log. The log is unfinished at byte" in cut.text
+    assert re.search(r"end unknown; the log has lost the spans in [\d.]+ to 5 s", cut.text)
     assert "to the end" not in cut.text
 
 
@@ -159,10 +159,10 @@ def test_what_was_not_read_is_not_said_not_to_be(log: Path, tmp_path: Path) -> N
     (tmp_path / "cut.mcap").write_bytes(log.read_bytes()[: index.chunk_indexes[0].chunk_start_offset + 100])
     assert closecall("report", "cut.mcap", "-q", cwd=tmp_path).returncode == 3
     cut = Parsed((tmp_path / "cut.html").read_text())
-    assert "No contact was found in what could be read." in cut.text
-    assert "No bodies to draw could be read of the log." in cut.text
-    assert "1 of 1 pair is not proved to stay clear." in cut.text
-    assert "No pair is listed in what could be read." in cut.text
+    assert "The log has no contacts in the parts that can be read." in cut.text
+    assert "The readable parts of the log have no bodies to draw." in cut.text
+    assert "1 of 1 pair is unresolved." in cut.text
+    assert "The log lists no pairs in the parts that can be read." in cut.text
     assert "more pair" not in cut.text
     assert "--log certificate" not in cut.text
 
@@ -177,8 +177,8 @@ def test_a_summary_that_is_whole_is_told_as_such_where_the_facts_are_damaged(log
     (tmp_path / "damaged.mcap").write_bytes(damaged)
     assert closecall("report", "damaged.mcap", "-q", cwd=tmp_path).returncode == 3
     told = Parsed((tmp_path / "damaged.html").read_text()).text
-    assert "Not the whole log." in told
-    assert "What is said of pairs is the log's own summary, which is whole" in told
+    assert "Incomplete log." in told
+    assert "The statements about pairs come from the summary in the log, which is complete" in told
     assert "nothing is proved" not in told
     assert "1 of 1 pair touches." in told
 
@@ -188,8 +188,8 @@ def test_balls_that_touch_are_told_with_when(text: str) -> None:
     reach = (0.75**2 - 0.3**2) ** 0.5
     told = Parsed(text).text
     assert "1 of 1 pair touches." in told
-    begin = re.search(r"left \| right at ([\d.]+) s, begin proved within ([\d.]+) to ([\d.]+) s, until", told)
-    end = re.search(r"until ([\d.]+) s, end proved within ([\d.]+) to ([\d.]+) s", told)
+    begin = re.search(r"left \| right at ([\d.]+) s, begins within ([\d.]+) to ([\d.]+) s, lasts until", told)
+    end = re.search(r"until ([\d.]+) s, ends within ([\d.]+) to ([\d.]+) s", told)
     assert begin
     assert end
     for found, exact in ((begin, (4.0 - reach) / 2.0), (end, (4.0 + reach) / 2.0)):

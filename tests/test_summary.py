@@ -238,7 +238,7 @@ def test_a_pair_tells_the_error_of_its_distances_and_a_large_one_is_warned_of():
     assert doubts([pair]) == ()
     small = {**pair, "error": 1e-9, "distance": {**pair["distance"], "upper": 0.5e-9}}
     large = {**pair, "error": 1.5e-3}
-    for doubted, error in ((small, "1e-09"), (large, "0.0015")):
+    for doubted, error in ((small, "1e-9"), (large, "0.0015")):
         (warning,) = doubts([cast(Any, doubted)])
         assert warning.startswith(f"distances of gear | hammer may be wrong by {error} m; ")
     (warning,) = doubts([cast(Any, small), cast(Any, large)])

@@ -69,7 +69,7 @@ def _run_one(scene: Path, output: Path, options: RunOptions) -> int:
     if options.as_json:
         print_json({**result.summary, "seconds": result.seconds})
     elif not options.quiet:
-        print_summary(result.summary, to_stderr=output == STDOUT)
+        print_summary(result.summary, result.length_unit, to_stderr=output == STDOUT)
     if options.verbose:
         print_seconds(result.seconds)
     return int(result.finds(options.fail_on))

@@ -62,5 +62,5 @@ def command(
         if as_json:
             print_json({**found.summary, "pairs": shown})
         else:
-            print_summary(found.summary, shown, len(pairs))
+            print_summary(found.summary, found.length_unit, shown, len(pairs))
         return exit_code_of(found.loss)

@@ -6,6 +6,7 @@ from math import inf
 from typing import NamedTuple, TypedDict
 
 from ...scheduler.pairs.least_distance import ERRORS, LEAST_TOLERANCE
+from ..scene.quantities.lengths import length_text
 
 #: Why a least distance has no upper end, in words.
 OPEN = {
@@ -105,6 +106,7 @@ def why_wide(distance: DistanceRange) -> str | None:
     return f"{words}; {remedy}"
 
 
-def promised(share: float | None) -> str:
-    """Return how near to each other both ends are to be."""
-    return f"{LEAST_TOLERANCE:g} m" if share is None else f"{100.0 * share:g}% or {LEAST_TOLERANCE:g} m"
+def promised(share: float | None, unit: str) -> str:
+    """Return the width of the bracket that a run seeks, with its length in `unit`."""
+    least = length_text(LEAST_TOLERANCE, unit, 3)
+    return least if share is None else f"{100.0 * share:g}% or {least}"

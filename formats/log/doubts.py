@@ -1,23 +1,24 @@
-"""The warnings of a run once it is done: distances that are hardly known."""
+"""The warnings at the end of a run: distances with a large error."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 from ...scheduler.pairs.least_distance import LEAST_TOLERANCE
+from ..scene.quantities.lengths import length_text
 from .bracket import WIDE
 from .summary import PairSummary
 
 
-def doubts(pairs: Sequence[PairSummary]) -> tuple[str, ...]:
-    """Return a warning of pairs whose distances may be wrong by more than 1e-6 m, or by all that they stay apart."""
+def doubts(pairs: Sequence[PairSummary], unit: str = "m") -> tuple[str, ...]:
+    """Warn of pairs whose distances may be wrong by more than 1e-6 m, or by their whole distance; print in `unit`."""
     doubted = [pair for pair in pairs if pair["error"] > LEAST_TOLERANCE or _hides_its_gap(pair)]
     if not doubted:
         return ()
     worst = max(doubted, key=lambda pair: pair["error"])
     more = f", those of {len(doubted) - 1} more by less" if len(doubted) > 1 else ""
     name = worst["pair"].replace("|", " | ")
-    return (f"distances of {name} may be wrong by {worst['error']:.2g} m{more}; {WIDE['error'][1]}",)
+    return (f"distances of {name} may be wrong by {length_text(worst['error'], unit, 2)}{more}; {WIDE['error'][1]}",)
 
 
 def _hides_its_gap(pair: PairSummary) -> bool:

@@ -41,12 +41,14 @@ class Found:
         loss: what could not be read.
         lost: by the pair's name, when (s) its spans are lost; pairs of which nothing was read are counted as
             unresolved, not listed.
+        length_unit: of the scene, for texts that people read.
         folded: whether the summary was made of the facts that could be read, and is not the one that the log carries.
     """
 
     summary: Summary
     loss: Loss | None = None
     lost: dict[str, Stretches] = field(default_factory=dict)
+    length_unit: str = "m"
     folded: bool = False
 
 
@@ -73,14 +75,14 @@ def read_found(path: Path) -> Found:
         try:
             summary = read_summary(path)
             require_same_run(summary, log.identity)
-            return Found(summary)
+            return Found(summary, length_unit=log.identity.length_unit)
         except (LogError, SummaryError):
             found = fold(path)
         try:
             for carried in log.attachments(SUMMARY):
                 summary = as_summary(carried.data)
                 require_same_run(summary, log.identity)
-                return Found(summary, found.loss)
+                return Found(summary, found.loss, length_unit=found.length_unit)
         except OlderSummaryError:
             return found
         except SummaryError as error:
@@ -157,7 +159,7 @@ class Folding:
             unseen = max(0, summary["pairs_total"] - len(summary["pairs"]))
             verdicts["clear"] -= unseen
             verdicts["unresolved"] += unseen
-        return Found(summary, loss, lost, folded=True)
+        return Found(summary, loss, lost, self._identity.length_unit, folded=True)
 
     def _new_pair(self, message: _Fact) -> PairKey:
         a, b = bodies_of_pair(message.pair_id, self._identity.bodies)

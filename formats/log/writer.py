@@ -305,7 +305,7 @@ class LogWriter:
 
     def _write_closing(self) -> None:
         summary = self._summary.summary()
-        for doubt in doubts(summary["pairs"]):
+        for doubt in doubts(summary["pairs"], self._loaded.length_unit):
             self.warn(doubt, self._loaded.scene.end)
         totals = summary["totals"]
         verdicts = ", ".join(f"{count} {verdict}" for verdict, count in totals["pairs"].items())

@@ -1,4 +1,4 @@
-"""What a page's scripts draw, as one block of text: arrays of numbers, compressed."""
+"""The data of a page's scripts as one block of text: compressed arrays of numbers."""
 
 from __future__ import annotations
 
@@ -14,23 +14,24 @@ from numpy.typing import NDArray
 from ...scheduler.geometry.arrays import FloatArray
 from ..log import messages_pb2 as pb
 from ..log.severity import VERDICTS
+from ..scene.quantities.units import metres
 from ..scene.text.errors import printable
 from .gathering import Gathered
 from .replay import BOX_NUMBERS, POSE_NUMBERS, Drawn, Replay
 from .tracks import Curve
 
-# Reading in the browser wants arrays to begin at multiples of their numbers' size.
+# Browsers require arrays to begin at multiples of the size of their numbers.
 _ALIGNMENT = 8
 
-# Of a quaternion's parts, in 16 bits.
+# Scale of the components of a quaternion in 16 bits.
 _TURN = 32767
 
-# What a pair is where no span speaks of it.
+# The verdict where the log has no span.
 _NOTHING = 0
 
 _BEST_COMPRESSION = 9
 
-# Begins of contacts that the replay marks and steps through; the first are kept.
+# The replay marks and steps through this many begins of contacts; the first ones are kept.
 _MOST_TOUCHES = 50_000
 
 
@@ -57,12 +58,12 @@ class _Block:
 
 
 def packed(gathered: Gathered, near: float, opens: tuple[int, float]) -> str:
-    """Return what the scripts draw of a log.
+    """Return the data that the scripts draw.
 
     Args:
         gathered: from the log.
-        near: m, the distance below which a clear pair is near.
-        opens: the place of the pair that is shown at first, and the time, s.
+        near: m; below this distance a clear pair counts as near.
+        opens: the index of the pair that the page shows at first, and the time, s.
     """
     summary, block = gathered.found.summary, _Block()
     start, end = summary["time"]
@@ -74,6 +75,7 @@ def packed(gathered: Gathered, near: float, opens: tuple[int, float]) -> str:
         "start": start,
         "end": end,
         "near": near,
+        "unit": {"name": gathered.identity.length_unit, "metres": metres(1.0, gathered.identity.length_unit)},
         "opens": opens,
         "bodies": [printable(name) for name in bodies],
         "verdicts": VERDICTS,

@@ -1,4 +1,4 @@
-"""One self-contained page: HTML, styles, scripts and data in one file, which asks nothing of any network."""
+"""One self-contained page: HTML, styles, scripts and data in one file. The page needs no network."""
 
 from __future__ import annotations
 
@@ -11,13 +11,14 @@ from string import Template
 
 from ..log.summary import PairSummary
 from ..log.tables.escapes import html_text
+from ..scene.quantities.units import in_unit, metres
 from . import sections
 from .gathering import Gathered
 from .packing import packed
 from .replay import Replay
 from .wording import headline, when
 
-# In the order that they run in, as one script.
+# The page joins these in this order into one script.
 _SCRIPTS = (
     "data.js",
     "quantities.js",
@@ -32,16 +33,16 @@ _SCRIPTS = (
 _LIBRARIES = "libraries.js"
 _STYLES = ("libraries.css", "style.css")
 
-# A clear pair is near within so many margins, or, where there is none, within so many times the least distance.
+# A clear pair counts as near within this many margins or, without margins, this many minimum distances.
 _NEAR_MARGINS = 3.0
 _NEAR_LEAST = 3.0
 
-# m. Nearer to 0 powers of ten have no digits left.
+# Below this, powers of ten lose digits.
 _LEAST = 1e-300
 
 
 def page(gathered: Gathered) -> str:
-    """Return the page: the same log gives the same page."""
+    """Return the page. The same log gives the same page."""
     libraries = _source(_LIBRARIES)
     scripts = "\n".join(map(_source, _SCRIPTS))
     values = {
@@ -66,19 +67,21 @@ def page(gathered: Gathered) -> str:
 
 
 def near(gathered: Gathered) -> float:
-    """Return the distance, m, rounded to one digit, below which a clear pair is shown as near at first."""
+    """Return the default distance, m, below which a clear pair is near: 1, 2 or 5 times a power of ten of the unit."""
+    unit = gathered.identity.length_unit
     margin = max((pair["margin"] for pair in gathered.pairs), default=0.0)
     if margin > 0.0:
-        return _rounded(_NEAR_MARGINS * margin)
+        return metres(_rounded(in_unit(_NEAR_MARGINS * margin, unit)), unit)
     distances = [pair["distance"]["upper"] or pair["distance"]["lower"] for pair in gathered.pairs]
-    return _rounded(_NEAR_LEAST * min((distance for distance in distances if distance > 0.0), default=0.1))
+    least = min((distance for distance in distances if distance > 0.0), default=0.1)
+    return metres(_rounded(in_unit(_NEAR_LEAST * least, unit)), unit)
 
 
 def opening(pairs: Sequence[PairSummary], start: float) -> tuple[int, float]:
-    """Return which of the pairs a page shows when it opens, by its place, and at what time, s.
+    """Return the index of the pair that the page shows at first, and the time, s.
 
-    The first contact; without one, where the worst pair was nearest, or the worst of those of which that is known; else
-    the first pair at the start.
+    This is the first contact. Without contacts it is the minimum distance of the worst pair with a known minimum; else
+    the first pair at the start of the run.
 
     Args:
         pairs: worst first.
@@ -93,7 +96,7 @@ def opening(pairs: Sequence[PairSummary], start: float) -> tuple[int, float]:
 
 
 def _rounded(value: float) -> float:
-    """Return a number > 0 as 1, 2 or 5 times a power of ten, which is exact for those from 1 on."""
+    """Return a number > 0 rounded up to 1, 2 or 5 times a power of ten."""
     value = max(value, _LEAST)
     power = floor(log10(value))
     first = next(digit for digit in (1, 2, 5, 10) if value <= digit * 10.0**power * (1.0 + 1e-9))
@@ -101,7 +104,7 @@ def _rounded(value: float) -> float:
 
 
 def _policy(*scripts: str) -> str:
-    """Return a content security policy: these scripts run and no others, and nothing is fetched."""
+    """Return a content security policy that allows these scripts only, and no network."""
     hashes = [base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() for script in scripts]
     allowed = " ".join(f"'sha256-{hashed}'" for hashed in hashes)
     return f"default-src 'none'; script-src {allowed}; style-src 'unsafe-inline'; img-src data: blob:"
@@ -109,12 +112,12 @@ def _policy(*scripts: str) -> str:
 
 def _replay_note(replay: Replay | None, whole: bool) -> str:
     if replay is None:
-        certificate = "The log has no bodies to draw: it was written with <code>--log certificate</code>."
-        told = certificate if whole else "No bodies to draw could be read of the log."
-        return f'<p class="note">{told} The rest of the page does without.</p>'
+        certificate = "The log has no bodies to draw: the run used <code>--log certificate</code>."
+        told = certificate if whole else "The readable parts of the log have no bodies to draw."
+        return f'<p class="note">{told} The rest of the page is complete.</p>'
     if not replay.moves:
-        told = "The log has the bodies as they start, but not how they move: it was written with <code>--rate 0</code>."
-        return f'<p class="note">{told} The rest of the page does without.</p>'
+        told = "The log has the bodies at their start poses, but not their motions: the run used <code>--rate 0</code>."
+        return f'<p class="note">{told} The rest of the page is complete.</p>'
     return ""
 
 

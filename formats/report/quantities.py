@@ -1,39 +1,28 @@
-"""Lengths and times in words: bounds are rounded so that they stay true."""
+"""Lengths and times as text: lower bounds are rounded down, intervals outwards."""
 
 from __future__ import annotations
 
-from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context, Decimal
+from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 from math import ceil, log10
 
 from ..log.container.clock import seconds_told
-
-_UNITS = (("km", 1e3, 1e4), ("m", 1.0, 1.0), ("mm", 1e-3, 1e-3), ("µm", 1e-6, 1e-6), ("nm", 1e-9, 0.0))
-"""Of lengths: name, m, and from how many m on."""
+from ..scene.quantities.lengths import length_text
 
 _DIGITS = 4
 
 
-def length(metres: float, rounding: str = ROUND_HALF_EVEN) -> str:
-    """Return a length >= 0, m, in four digits and the unit that fits it."""
-    if metres == 0.0:
-        return "0"
-    unit, size, _ = next(row for row in _UNITS if metres >= row[2])
-    exact = _decimal(metres) / _decimal(size)
-    return f"{_plain(Context(prec=_DIGITS, rounding=rounding).plus(exact))} {unit}"
-
-
-def at_least(metres: float) -> str:
-    """Return a lower bound, m, rounded down."""
-    return length(metres, ROUND_FLOOR)
+def length(metres: float, unit: str) -> str:
+    """Return a length, m, as text in `unit` with four digits."""
+    return length_text(metres, unit, _DIGITS)
 
 
 def moment(seconds: float) -> str:
-    """Return a time, s, in six digits, or in whole microseconds where those are more."""
+    """Return a time, s, as text with six digits, or with more if microseconds need them."""
     return f"{seconds_told(seconds)} s"
 
 
 def interval(start: float, end: float) -> str:
-    """Return an interval of time, s, rounded outwards in as many digits as its length is told by."""
+    """Return an interval of time, s, rounded outwards to the digits that its length needs."""
     if start == end:
         return f"{start!r} s"
     low, high = sorted((start, end))

@@ -1,4 +1,4 @@
-"""What a log found, in sentences: no more than is proved."""
+"""The results in a log as sentences that state no more than the log proves."""
 
 from __future__ import annotations
 
@@ -9,15 +9,16 @@ from ..log.result import Found, Stretches
 from ..log.severity import badness
 from ..log.summary import PairSummary, Summary
 from ..log.tables.escapes import html_text
+from ..scene.quantities.lengths import at_least_text
 from ..scene.text.errors import counted
-from .quantities import at_least, interval, length, moment
+from .quantities import interval, length, moment
 
-# Of intervals told of one pair.
+# Intervals in a sentence about one pair.
 _MOST_INTERVALS = 2
 
 
 def pair_name(pair: PairSummary) -> str:
-    """Return both names as HTML, apart in whatever direction they are written."""
+    """Return both names as HTML; each keeps its own writing direction."""
     return f'<span class="pair"><bdi>{html_text(pair["body_a"])}</bdi> | <bdi>{html_text(pair["body_b"])}</bdi></span>'
 
 
@@ -27,119 +28,121 @@ def headline(summary: Summary) -> str:
     start, end = summary["time"]
     of_all = f"of {counted(total, 'pair')}"
     if total == 0:
-        return "No pair had to be checked."
+        return "No pairs were checked."
     if counts["contact"]:
         return f"{counts['contact']} {of_all} {_verb(counts['contact'], 'touches', 'touch')}."
     if counts["breach"]:
-        return f"{counts['breach']} {of_all} {_verb(counts['breach'], 'comes', 'come')} nearer than the margin."
+        return f"{counts['breach']} {of_all} {_verb(counts['breach'], 'comes', 'come')} closer than the margin."
     if counts["unresolved"]:
-        return f"{counts['unresolved']} {of_all} {_verb(counts['unresolved'], 'is', 'are')} not proved to stay clear."
+        return f"{counts['unresolved']} {of_all} {_verb(counts['unresolved'], 'is', 'are')} unresolved."
     if counts["possible"]:
-        return f"{counts['possible']} {of_all} could touch, as far as their motion is known."
+        return f"{counts['possible']} {of_all} could touch: the path of a body is unknown."
     stay = "The pair stays" if total == 1 else f"All {total} pairs stay"
-    return f"{stay} clear, which is proved for every instant from {moment(start)} to {moment(end)}."
+    return f"{stay} clear. This is proved for every instant from {moment(start)} to {moment(end)}."
 
 
 def jump(place: int | None, time: float) -> str:
-    """Return a time, s, as a button that shows the pair in that place of the page then; of a pair without, as text."""
+    """Return a time, s, as a button that shows the pair at that time; as text if the page does not show the pair."""
     if place is None:
         return moment(time)
     return f'<button type="button" class="jump" data-pair="{place}" data-time="{time!r}">{moment(time)}</button>'
 
 
 def sentences(found: Found, places: Mapping[str, int]) -> list[str]:
-    """Return, as HTML, what comes after the headline: the first contact, the closest of the others, what is open.
+    """Return the HTML after the headline: the first contact, the closest other pair, and the open questions.
 
     Args:
-        found: by the log.
-        places: of the pairs in the page, by name.
+        found: the results in the log.
+        places: the index of each pair on the page, by name.
     """
     summary = found.summary
     told = [_counts(summary), _first_contact(found, places), _closest(found, places), _unlisted(found)]
     return [sentence for sentence in told if sentence]
 
 
-def nearest(pair: PairSummary) -> str:
-    """Return how near a pair comes."""
+def nearest(pair: PairSummary, unit: str) -> str:
+    """Return the minimum distance of a pair as text in `unit`."""
     upper = pair["distance"]["upper"]
     if pair["verdict"] == "contact":
-        return "0 (they touch)"
+        return "0 (contact)"
     if upper is not None:
-        return length(upper)
-    return f"above {at_least(pair['distance']['lower'])}" if pair["distance"]["lower"] > 0.0 else "not known"
+        return length(upper, unit)
+    lower = pair["distance"]["lower"]
+    return f"above {at_least_text(lower, unit)}" if lower > 0.0 else "unknown"
 
 
 def when(pair: PairSummary) -> float | None:
-    """Return when, s, a pair begins to touch, or else is nearest; None where it is not known."""
+    """Return the time, s, of the first contact, or else of the minimum distance; None if unknown."""
     return pair["contacts"][0]["begin"][1] if pair["contacts"] else pair["distance"]["time"]
 
 
-def proof(pair: PairSummary, lost: Stretches) -> str:
-    """Return what is proved of a pair, whose spans are lost in some intervals."""
+def proof(pair: PairSummary, lost: Stretches, unit: str) -> str:
+    """Return what the log proves about a pair; the log has lost its spans in some intervals."""
     if not lost:
-        return _proof(pair)
-    nothing = f"nothing is known of {_intervals(lost)}, which the log has lost"
-    return f"Touches: {contact(pair, True)}; {nothing}" if pair["contacts"] else f"Not proved: {nothing}"
+        return _proof(pair, unit)
+    nothing = f"the log has lost the spans in {_intervals(lost)}"
+    return f"Contact: {contact(pair, True)}; {nothing}" if pair["contacts"] else f"Unresolved: {nothing}"
 
 
-def _proof(pair: PairSummary) -> str:
+def _proof(pair: PairSummary, unit: str) -> str:
     lower = pair["distance"]["lower"]
+    closer = f"never closer than {at_least_text(lower, unit)}"
     match pair["verdict"]:
         case "contact":
-            return f"Touches: {contact(pair, False)}" if pair["contacts"] else "Touches"
+            return f"Contact: {contact(pair, False)}" if pair["contacts"] else "Contact"
         case "clear":
-            return f"Never nearer than {at_least(lower)}, at any instant"
+            return f"Clear at every instant: {closer}"
         case "breach":
-            within = f"within the margin of {length(pair['margin'])} in {_intervals(pair['breaches'])}"
-            return f"No contact: never nearer than {at_least(lower)}; {within}"
+            within = f"within the margin of {length(pair['margin'], unit)} in {_intervals(pair['breaches'])}"
+            return f"No contact: {closer}; {within}"
         case "possible":
-            return f"Path unknown: contact cannot be excluded in {_intervals(pair['possible'])}"
+            return f"Unknown path: contact cannot be excluded in {_intervals(pair['possible'])}"
         case _:
             open_in = _intervals(pair["unresolved"])
             if lower > 0.0:
-                margin = f"whether the margin of {length(pair['margin'])} is kept is open in {open_in}"
-                return f"No contact: never nearer than {at_least(lower)}; {margin}"
-            return f"Not proved: contact is neither found nor excluded in {open_in}"
+                margin = f"a breach of the margin of {length(pair['margin'], unit)} cannot be excluded in {open_in}"
+                return f"No contact: {closer}; {margin}"
+            return f"Unresolved: contact is neither found nor excluded in {open_in}"
 
 
 def is_proved(pair: PairSummary) -> bool:
-    """Tell whether the pair's verdict leaves nothing open."""
+    """Tell whether the verdict is proved."""
     return pair["verdict"] in ("contact", "breach", "clear")
 
 
 def _counts(summary: Summary) -> str:
-    """Return how many pairs have which verdict, unless all are clear."""
+    """Return the number of pairs by verdict, unless all are clear."""
     counts = summary["totals"]["pairs"]
     told = {
         "contact": "in contact",
-        "breach": "nearer than the margin",
-        "unresolved": "not resolved",
-        "possible": "could touch, of unknown path",
-        "clear": "proved clear at every instant",
+        "breach": "closer than the margin",
+        "unresolved": "unresolved",
+        "possible": "with an unknown path that could touch",
+        "clear": "clear at every instant",
     }
     found = [f"{counts[verdict]} {words}" for verdict, words in told.items() if counts[verdict]]
     return "" if counts["clear"] == summary["pairs_total"] else f"All pairs: {', '.join(found)}."
 
 
 def contact(pair: PairSummary, lost: bool) -> str:
-    """Return a pair's first contact, with the brackets that hold its begin and its end, which may be lost."""
+    """Return a pair's first contact with the brackets of its begin and its end; the end may be lost."""
     first, more = pair["contacts"][0], len(pair["contacts"]) - 1
     clear, touching = first["begin"]
-    told = "from the start" if clear == touching else f"begin proved within {interval(clear, touching)}"
+    told = "from the start" if clear == touching else f"begins within {interval(clear, touching)}"
     if first["end"] is None:
         told += f", {until_the_end(lost)}"
     else:
-        told += f", until {moment(first['end'][0])}, end proved within {interval(*first['end'])}"
+        told += f", lasts until {moment(first['end'][0])}, ends within {interval(*first['end'])}"
     return told + (f", and {counted(more, 'more contact')}" if more else "")
 
 
 def until_the_end(lost: bool) -> str:
-    """Return what is known of a contact without an end."""
-    return "its end is not known" if lost else "to the end"
+    """Return the end of a contact that has no end in the log."""
+    return "end unknown" if lost else "lasts to the end of the run"
 
 
 def _first_contact(found: Found, places: Mapping[str, int]) -> str:
-    """Return the first contact that was found, and those that may be as early: their brackets overlap."""
+    """Return the first contact, and the pairs whose brackets overlap its bracket: they may touch as early."""
     touching = sorted((pair for pair in found.summary["pairs"] if pair["contacts"]), key=_touches_at)
     if not touching:
         return ""
@@ -148,17 +151,17 @@ def _first_contact(found: Found, places: Mapping[str, int]) -> str:
     rivals = [pair for pair in later if pair["contacts"][0]["begin"][0] < time or _touches_at(pair)[0] == time]
     told = contact(first, first["pair"] in found.lost)
     sentence = f"First contact: {pair_name(first)} at {jump(places.get(first['pair']), time)}, {told}."
-    return f"{sentence} As early or earlier may touch {_such_as(rivals)}." if rivals else sentence
+    return f"{sentence} {_such_as(rivals)} may touch as early or earlier." if rivals else sentence
 
 
 def _touches_at(pair: PairSummary) -> tuple[float, str]:
-    """Return when, s, a pair that touches is first known to, as a sorting key."""
+    """Return a sorting key: the time, s, from which the first contact is certain, then the name."""
     return pair["contacts"][0]["begin"][1], pair["pair"]
 
 
 def _closest(found: Found, places: Mapping[str, int]) -> str:
-    """Return the pair that was measured closest without touching, and whether that is proved."""
-    summary = found.summary
+    """Return the pair with the smallest measured distance, except pairs in contact, and whether no other is closer."""
+    summary, unit = found.summary, found.length_unit
     apart = [pair for pair in summary["pairs"] if pair["verdict"] != "contact" and not pair["contacts"]]
     others = len(apart) < len(summary["pairs"])
     measured = [pair for pair in apart if pair["distance"]["upper"] is not None]
@@ -166,41 +169,44 @@ def _closest(found: Found, places: Mapping[str, int]) -> str:
         lowest = min(apart, key=_lower, default=None)
         if lowest is None:
             return ""
-        whose = "the others" if others else "they"
-        proved = proof(lowest, found.lost.get(lowest["pair"], []))
-        return f"How near {whose} come was not measured. {pair_name(lowest)}: {proved}."
+        proved = proof(lowest, found.lost.get(lowest["pair"], []), unit)
+        whose = "the other pairs" if others else "the pairs"
+        return f"The run did not measure the distances of {whose}. {pair_name(lowest)}: {proved}."
     best = min(measured, key=lambda pair: (pair["distance"]["upper"] or 0.0, badness(pair)))
     distance = best["distance"]
     upper, time = distance["upper"] or 0.0, distance["time"] or 0.0
-    never_nearer = f"proved never nearer than {at_least(distance['lower'])}"
-    certain = never_nearer if distance["lower"] > 0.0 else "its least distance is not proved to be above 0"
+    never_closer = f"proved never closer than {at_least_text(distance['lower'], unit)}"
+    certain = never_closer if distance["lower"] > 0.0 else "no lower bound above 0 is proved"
     if (why := why_wide(distance)) is not None:
-        certain += f": a wide bracket, because {why}"
-    title = "Closest of the others" if others else "Closest"
+        certain += f"; wide bracket: {why}"
+    title = "Closest other pair" if others else "Closest pair"
     at = jump(places.get(best["pair"]), time)
-    sentence = f"{title}: {pair_name(best)}, measured {length(upper)} apart at {at} ({certain})."
+    sentence = f"{title}: {pair_name(best)}, measured {length(upper, unit)} apart at {at} ({certain})."
     rivals = sorted((pair for pair in apart if pair is not best and pair["distance"]["lower"] < upper), key=_lower)
     if rivals:
-        return f"{sentence} As near or nearer may come {_such_as(rivals)}, {_stays(rivals[0])}."
+        return f"{sentence} {_such_as(rivals)} may come as close or closer ({_stays(rivals[0], unit)})."
     if len(apart) == 1 or summary["pairs_total"] > len(summary["pairs"]):
         return sentence
-    return f"{sentence} It is proved that {'none of the others' if others else 'no other pair'} comes nearer."
+    return f"{sentence} No other pair{' without contact' if others else ''} comes closer: this is proved."
 
 
 def _lower(pair: PairSummary) -> tuple[float, str]:
-    """Return what is proved of a pair's distance, m, as a sorting key."""
+    """Return a sorting key: the certified lower bound of the distance, m, then the name."""
     return pair["distance"]["lower"], pair["pair"]
 
 
-def _stays(pair: PairSummary) -> str:
-    """Return how far a pair is proved to stay apart."""
+def _stays(pair: PairSummary, unit: str) -> str:
+    """Return the certified lower bound of a pair's distance as text."""
     lower = pair["distance"]["lower"]
-    return f"proved to stay {at_least(lower)} apart" if lower > 0.0 else "of which nothing is proved"
+    return (
+        f"proved never closer than {at_least_text(lower, unit)}" if lower > 0.0 else "no lower bound above 0 is proved"
+    )
 
 
 def _such_as(pairs: Sequence[PairSummary]) -> str:
-    """Return how many other pairs there are, by the first."""
-    return (f"{len(pairs)} other pairs, such as " if len(pairs) > 1 else "") + pair_name(pairs[0])
+    """Return the first pair, and the number of pairs if there are more."""
+    first = pair_name(pairs[0])
+    return f"{len(pairs)} other pairs, such as {first}," if len(pairs) > 1 else first
 
 
 def _unlisted(found: Found) -> str:
@@ -209,9 +215,9 @@ def _unlisted(found: Found) -> str:
     if unlisted <= 0:
         return ""
     if found.folded and found.loss is not None:
-        return f"Of {counted(unlisted, 'pair')} nothing could be read."
-    cleared = f"{counted(unlisted, 'pair')} stayed clear by boxes that never meet"
-    return f"{cleared}: how near they come is not told, so one may come closer."
+        return f"Nothing could be read about {counted(unlisted, 'pair')}."
+    cleared = f"The broad phase cleared {counted(unlisted, 'pair')}: their swept boxes never overlap"
+    return f"{cleared}. The log does not give their distances; one of them may come closer than the pairs above."
 
 
 def _intervals(spans: Sequence[Sequence[float]]) -> str:

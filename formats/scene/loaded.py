@@ -68,6 +68,7 @@ class LoadedScene:
         mesh_files: in document order, by the mesh's name.
         warnings: one line each, located like errors.
         trajectory_files: in document order, by the name of the body that moves so; files of times by BODY/times.
+        length_unit: of the scene file, in which lengths are printed for people.
         key_names: by body, the names of the keys it moves by; of its own, or of the nearest ancestor that has any.
     """
 
@@ -79,6 +80,7 @@ class LoadedScene:
     warnings: tuple[str, ...]
     trajectory_files: tuple[InputFile, ...] = ()
     key_names: Mapping[int, KeyNames] = field(default_factory=dict)
+    length_unit: str = "m"
 
     @property
     def warnings_by_name(self) -> tuple[str, ...]:

@@ -80,6 +80,7 @@ class _Reading:
             warnings=tuple(map(str, in_order(self._findings.warnings))),
             trajectory_files=self._motions.files,
             key_names=_nearest_key_names(bodies, self._motions.key_names),
+            length_unit=self._scale.length_unit,
         )
 
     def _read_settings(self) -> Settings:

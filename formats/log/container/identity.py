@@ -1,4 +1,4 @@
-"""What a log says of its run before the first fact: the inputs by hash, the settings, the time base, the margins."""
+"""The metadata at the start of a log: hashes of the inputs, settings, time base, margins, length unit."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .contents import input_files, settings_json
 
 
 def identity(loaded: LoadedScene, settings: Settings, pairs_total: int, epoch: int) -> dict[str, str]:
-    """Return what tells this run from others, as the log keeps it (s, m, the epoch in ns)."""
+    """Return the metadata that identifies a run, in s and m; the epoch is in ns."""
     scene = loaded.scene
     values = {
         "version": __version__,
@@ -33,6 +33,7 @@ def identity(loaded: LoadedScene, settings: Settings, pairs_total: int, epoch: i
         "chord_errors": json.dumps({body.name: body.chord_error for body in scene.bodies if body.chord_error}),
         "exists": json.dumps(_existence(scene)),
         "margins": json.dumps(_margins(scene)),
+        "length_unit": loaded.length_unit,
     }
     return values | {f"{kind}/{file.name}": file.sha256 for kind, file in input_files(loaded)}
 
@@ -55,7 +56,7 @@ def _margins(scene: Scene) -> list[tuple[list[str], list[str], float]]:
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """A run as its log tells it.
+    """The metadata of a run, read from its log.
 
     Attributes:
         version: of closecall.
@@ -67,6 +68,7 @@ class Identity:
         settings: in SI, under the scene file's keys.
         chord_errors: m, by body, 0 where not named.
         exists: s, by body, always where not named.
+        length_unit: of the scene file, for texts that people read; m in older logs.
         margins: m, of the pairs with one body in each of two sets, a later rule before an earlier one.
     """
 
@@ -82,6 +84,7 @@ class Identity:
     chord_errors: dict[str, float]
     exists: dict[str, Interval]
     margins: tuple[tuple[frozenset[str], frozenset[str], float], ...]
+    length_unit: str = "m"
 
     def seconds(self, log_time: int) -> float:
         """Return a log time, ns, in scene seconds."""

@@ -1,4 +1,4 @@
-"""The metadata of a run, read back. Others may have written it, so it must be what the writer writes."""
+"""The metadata of a run, read back and checked: another program may have written it."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import Any, NoReturn
 
 from ....scheduler.motions import Interval
+from ...scene.quantities.units import METRES
 from ...scene.text.errors import quoted
 from .checks import MOST_METRES, MOST_SECONDS
 from .clock import LATEST_LOG_TIME_NS
@@ -21,10 +22,10 @@ _WHOLE = re.compile(r"-?[0-9]{1,20}")
 
 
 def read_identity(values: Mapping[str, str]) -> Identity:
-    """Return what the values of a log's metadata say, the newer ones only where they are there.
+    """Return the metadata of a log; older logs lack some of its values.
 
     Raises:
-        ValueError: where one is missing or cannot be; names it.
+        ValueError: names a value that is missing or impossible.
     """
     bodies = _count(values, "count/bodies", MOST_BODIES)
     most_pairs = bodies * (bodies - 1) // 2
@@ -41,6 +42,7 @@ def read_identity(values: Mapping[str, str]) -> Identity:
         chord_errors={body: _length(one, "chord_errors") for body, one in _mapping(values, "chord_errors").items()},
         exists={body: _interval(one, "exists") for body, one in _mapping(values, "exists").items()},
         margins=_margins(values),
+        length_unit=_length_unit(values),
     )
     if identity.start > identity.end:
         raise ValueError(f"its end is {identity.end!r} s, before its start at {identity.start!r} s")
@@ -104,6 +106,11 @@ def _margins(values: Mapping[str, str]) -> tuple[tuple[frozenset[str], frozenset
             _refuse("margins", rule)
         rules.append((frozenset(rule[0]), frozenset(rule[1]), _length(rule[2], "margins")))
     return tuple(rules)
+
+
+def _length_unit(values: Mapping[str, str]) -> str:
+    unit = values.get("length_unit", "m")
+    return unit if unit in METRES else _refuse("length_unit", unit)
 
 
 def _are_names(value: Any) -> bool:

@@ -42,6 +42,7 @@ def compare(golden: Path, new: Path, rules: Rules, every_topic: bool = False) ->
         pairs=tuple(name for name in names.values() if not rules.ignored.pair(name)),
         notes=tuple(notes(before, after)),
         losses=tuple(loss for loss in losses if loss is not None),
+        length_unit=before.length_unit,
     )
 
 

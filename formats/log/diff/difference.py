@@ -129,12 +129,14 @@ class Comparison:
         pairs: the pairs compared, "a|b".
         notes: what a reviewer should know, and is no difference.
         losses: what could not be read of either log.
+        length_unit: of the golden log's scene, for texts that people read.
     """
 
     differences: tuple[Difference, ...]
     pairs: tuple[str, ...]
     notes: tuple[str, ...] = ()
     losses: tuple[Loss, ...] = ()
+    length_unit: str = "m"
 
     @property
     def first(self) -> Difference | None:

@@ -1,4 +1,4 @@
-"""A comparison as a JUnit report: a suite, and a case for every pair, which CI servers show."""
+"""A comparison as a JUnit report for CI servers: one suite, with one test case per pair."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def write_junit(output: Output, comparison: Comparison, golden: Path, new: Path)
 
 
 def junit(comparison: Comparison, golden: Path, new: Path) -> str:
-    """Return the report: a pair that differs is a failure, what could not be read an error."""
+    """Return the report: a pair that differs is a failure; a place that cannot be read is an error."""
     by_case: dict[str, list[Difference]] = defaultdict(list)
     for one in comparison.differences:
         by_case[one.subject].append(one)
@@ -41,7 +41,7 @@ def junit(comparison: Comparison, golden: Path, new: Path) -> str:
             suite, "testcase", classname=printable(new.name), name=printable(name or "the whole run")
         )
         if name in by_case:
-            lines = [printable(sentence(one)) for one in by_case[name]]
+            lines = [printable(sentence(one, comparison.length_unit)) for one in by_case[name]]
             cause = by_case[name][0].cause.label
             ElementTree.SubElement(case, "failure", type=cause, message=lines[0]).text = "\n".join(lines)
     for loss in comparison.losses:

@@ -1,30 +1,31 @@
-// Curves of distance over time: measured points, what is proved empty, and the verdicts below.
+// Curves of distance over time: measured points, certified clearances, and the verdicts below.
 
 const WORST = 6;
 const RIBBON = 7;
 const LINEAR = 1;
 const ASINH = 4;
 
-// Returns the columns of a chart: times; measured distances; certified clearances, in steps; bounds at instants.
+// Returns the columns of a chart, with lengths in the unit of the scene: times; measured distances; certified clearances
+// as steps; lower bounds at instants.
 function chartData(pairs, pair) {
   const { arrays, data } = pairs;
   const { time, distance, measured, from: first, to: last } = pairs.points(pair);
   const lines = [[], [], [], []]; // times; measured, with gaps at bounds; times of bounds; bounds
   for (let point = first; point < last; point++) {
     lines[0].push(data.start + time[point]);
-    lines[1].push(measured[point] ? distance[point] : null);
+    lines[1].push(measured[point] ? distance[point] / lengthUnit.metres : null);
     if (measured[point]) continue;
     lines[2].push(data.start + time[point]);
-    lines[3].push(distance[point]);
+    lines[3].push(distance[point] / lengthUnit.metres);
   }
   const [from, to] = [arrays.spanFrom[pair], arrays.spanFrom[pair + 1]];
   const starts = Array.from(arrays.spanStart.subarray(from, to));
-  const clearances = Array.from(arrays.spanClearance.subarray(from, to));
+  const clearances = Array.from(arrays.spanClearance.subarray(from, to), (metres) => metres / lengthUnit.metres);
   if (clearances.length > 1) clearances[clearances.length - 1] = clearances[clearances.length - 2];
   return uPlot.join([lines.slice(0, 2), [starts, clearances], lines.slice(2)].map(distinct));
 }
 
-// Returns which ticks of a spread-out axis get a label and a line: 0 and powers of ten.
+// Returns the ticks of an asinh axis that get a label and a line: 0 and powers of ten.
 function decades(plot, ticks) {
   if (plot.scales.y.distr !== ASINH) return ticks;
   return ticks.map((tick) =>
@@ -32,7 +33,7 @@ function decades(plot, ticks) {
   );
 }
 
-// Returns a table with one row a time, the lowest: joining wants times to rise.
+// Returns a table with one row per time, the one with the lowest value: uPlot.join needs rising times.
 function distinct([times, values]) {
   const kept = [[], []];
   for (let row = 0; row < times.length; row++) {
@@ -117,7 +118,7 @@ class Chart {
         x: { time: false, range: (plot, low, high) => (low === null || low === high ? [start, end] : [low, high]) },
         y: {
           distr: spread ? ASINH : LINEAR,
-          asinh: Math.max(near / 10, 1e-9),
+          asinh: Math.max(near / lengthUnit.metres / 10, 1e-9),
           range: (plot, low, high) => [0, Math.max(high, 1e-12) * 1.05],
         },
       },
@@ -125,7 +126,7 @@ class Chart {
         { ...axis, values: (plot, ticks) => ticks.map((tick) => `${tick} s`), space: 70 },
         {
           ...axis,
-          values: (plot, ticks) => ticks.map((tick) => (tick === null ? "" : lengthText(tick))),
+          values: (plot, ticks) => ticks.map((tick) => (tick === null ? "" : numberText(tick))),
           size: 76,
           filter: decades,
           grid: { ...axis.grid, filter: decades },
@@ -142,7 +143,7 @@ class Chart {
     return `rgba(${red}, ${green}, ${blue}, 0.22)`;
   }
 
-  // Returns the points to mark: none where they are so many that they would be one band.
+  // Returns the points to mark, or none if they are too dense to tell apart.
   few(plot, series) {
     const [low, high] = plot.series[0].idxs;
     const shown = [];
@@ -173,7 +174,7 @@ class Chart {
     const { upper, nearest } = this.pairs.arrays;
     if (Number.isNaN(upper[this.pair])) return;
     const x = plot.valToPos(nearest[this.pair], "x", true);
-    const y = plot.valToPos(upper[this.pair], "y", true);
+    const y = plot.valToPos(upper[this.pair] / lengthUnit.metres, "y", true);
     if (x < plot.bbox.left || x > plot.bbox.left + plot.bbox.width) return;
     const { ctx } = plot;
     ctx.save();

@@ -1,4 +1,4 @@
-// The page: what is shown of which pair at which moment.
+// The page: the pair and the time that it shows.
 
 const SPEEDS = [0.01, 0.1, 0.25, 0.5, 1, 2, 5, 10, 100];
 
@@ -98,7 +98,7 @@ class Player {
   }
 }
 
-// How often the selected pair woke for each reason.
+// Shows the wakeups of the selected pair by reason.
 function showReasons(pairs, pair) {
   const { reasons } = pairs.arrays;
   const kinds = pairs.data.reasons.length;
@@ -115,13 +115,13 @@ function startReplay(pairs, moment) {
   const { coarser } = pairs.data.replay;
   if (coarser)
     document.getElementById("coarser").textContent =
-      ` Of the surfaces, ${coarser} are drawn coarser than the log has them.`;
+      ` ${coarser} surfaces are drawn coarser than in the log.`;
   try {
     return new Replay(pairs, moment);
   } catch (fault) {
     const told = Object.assign(document.createElement("p"), {
       className: "note",
-      textContent: `Nothing can be drawn in 3D here: ${fault.message}`,
+      textContent: `3D drawing is not available: ${fault.message}`,
     });
     document.getElementById("scene").replaceWith(told);
     return null;
@@ -157,7 +157,9 @@ function followTheme(redraw) {
 
 readPalette();
 paintLegend();
-const pairs = new Pairs(await readData(document.getElementById("data").textContent));
+const data = await readData(document.getElementById("data").textContent);
+Object.assign(lengthUnit, data.unit);
+const pairs = new Pairs(data);
 const moment = new Moment(pairs);
 const map = new PairMap(pairs, moment);
 new Player(moment);

@@ -1,4 +1,4 @@
-// The map: a row a pair, worst first; only what is in view is painted.
+// The map: one row per pair, worst first. Only the visible rows are painted.
 
 const ROW = 22;
 const ROWS_IN_PRINT = 25;
@@ -31,22 +31,19 @@ class PairMap {
     this.setUpNear();
   }
 
-  // The distance below which clear pairs are near, in the unit that fits it.
+  // Sets up the field for the distance below which clear pairs are near, in the unit of the scene.
   setUpNear() {
-    const [field, select] = [document.getElementById("near"), document.getElementById("near-unit")];
-    const { unit, size } = unitOf(this.pairs.near);
-    for (const [name, metres] of UNITS) select.add(new Option(name, metres, name === unit, name === unit));
-    field.value = Number((this.pairs.near / size).toPrecision(DIGITS));
-    const change = () => {
-      this.pairs.setNear(Math.max(0, Number(field.value)) * Number(select.value));
+    const field = document.getElementById("near");
+    document.getElementById("near-unit").textContent = lengthUnit.name;
+    field.value = Number((this.pairs.near / lengthUnit.metres).toPrecision(DIGITS));
+    field.addEventListener("change", () => {
+      this.pairs.setNear(Math.max(0, Number(field.value)) * lengthUnit.metres);
       this.choose();
       this.moment.tell();
-    };
-    field.addEventListener("change", change);
-    select.addEventListener("change", change);
+    });
   }
 
-  // Chooses the pairs that bear all words of the filter.
+  // Selects the pairs whose names contain all words of the filter.
   choose() {
     const words = this.filter.value.toLowerCase().split(/\s+/).filter(Boolean);
     this.chosen = [];
@@ -60,7 +57,7 @@ class PairMap {
     this.layOut();
   }
 
-  // Returns how wide the longest name is, about: that with the most letters.
+  // Returns the approximate width of the longest name.
   longestName() {
     const longest = this.chosen.reduce(
       (most, pair) => (this.pairs.name(pair).length > most.length ? this.pairs.name(pair) : most),

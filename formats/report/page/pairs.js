@@ -1,4 +1,4 @@
-// What is known of each pair over time.
+// The verdict and the distance of each pair over time.
 
 const COLUMNS = 320;
 
@@ -27,18 +27,18 @@ class Pairs {
     return this.data.verdicts[this.arrays.verdict[pair]];
   }
 
-  // Sets the distance, m, below which clear pairs are near.
+  // Sets the distance, m, below which clear pairs count as near.
   setNear(near) {
     this.near = near;
     this.columns.clear();
   }
 
-  // Returns what is proved of a pair at a time, s: {kind, clearance, from, to}.
+  // Returns the span of a pair at a time, s: {kind, clearance, from, to}.
   spanAt(pair, time) {
     const { spanFrom, spanStart, spanVerdict, spanClearance } = this.arrays;
     const [from, to] = [spanFrom[pair], spanFrom[pair + 1]];
     let span = lastAtMost(spanStart, time, from, to);
-    if (span === to - 1 && span > from && time === spanStart[span]) span -= 1; // the end of the last span is in it
+    if (span === to - 1 && span > from && time === spanStart[span]) span -= 1; // the last span includes its end
     if (span < from) return { kind: CLASS.nothing, clearance: 0, from: time, to: time };
     return {
       kind: this.classOfSpan[spanVerdict[span]] ?? CLASS.nothing,
@@ -48,7 +48,7 @@ class Pairs {
     };
   }
 
-  // Returns the points of a pair that say how far apart it is at instants: measured, or bounds.
+  // Returns the distances of a pair at instants: measured, or lower bounds.
   points(pair) {
     const { pointFrom, pointTime, pointDistance, pointMeasured } = this.arrays;
     return {
@@ -67,7 +67,7 @@ class Pairs {
     return measured[Math.max(before, from)] === 1 && measured[Math.min(before + 1, to - 1)] === 1;
   }
 
-  // Returns about how far apart a pair is at a time, s: between points on a line; NaN if nothing is known.
+  // Returns the distance of a pair at a time, s, interpolated between points; NaN if unknown.
   distanceAt(pair, time) {
     const { time: times, distance, from, to } = this.points(pair);
     if (to === from) return NaN;
@@ -85,7 +85,7 @@ class Pairs {
     return kind === CLASS.clear && this.distanceAt(pair, time) < this.near ? CLASS.near : kind;
   }
 
-  // Returns the worst class of a pair in each column of the run's time: none is left out, however short.
+  // Returns the worst class of a pair in each column of the run's time, however short its span.
   classes(pair) {
     let classes = this.columns.get(pair);
     if (!classes) {
@@ -127,7 +127,7 @@ class Pairs {
     }
   }
 
-  // Returns when the line between two points, one of which is near, is near.
+  // Returns the times between which the line through two points is near; one of the points is near.
   nearBetween(time, distance, point, next) {
     const [from, to] = [time[point], time[next]];
     const [first, last] = [distance[point], distance[next]];
@@ -148,24 +148,24 @@ class Pairs {
     return worst;
   }
 
-  // Returns what is known of a pair's least distance, in words; the time in so many digits.
+  // Returns the minimum distance of a pair as text, with its time in some digits.
   leastText(pair, digits = 6) {
     const { lower, upper, nearest } = this.arrays;
-    if (this.verdict(pair) === "contact") return "touches";
+    if (this.verdict(pair) === "contact") return "contact";
     if (Number.isNaN(upper[pair]))
-      return lower[pair] > 0 ? `above ${lengthText(lower[pair], Math.floor)}` : "not known";
+      return lower[pair] > 0 ? `above ${lengthText(lower[pair], Math.floor)}` : "unknown";
     return `${lengthText(upper[pair])} at ${timeText(nearest[pair], digits)}`;
   }
 
-  // Returns what is known of a pair at a time, in words.
+  // Returns the verdict and the distance of a pair at a time as text.
   textAt(pair, time) {
     const { kind, clearance, from, to } = this.spanAt(pair, time);
-    if (kind === CLASS.nothing) return "nothing is proved: no span of the log speaks of it";
+    if (kind === CLASS.nothing) return "nothing is proved: the log has no span here";
     const span = `${CLASSES[kind]} from ${timeText(from)} to ${timeText(to)}`;
-    const proved = clearance > 0 ? `, proved no nearer than ${lengthText(clearance, Math.floor)} throughout` : "";
+    const proved = clearance > 0 ? `, proved never closer than ${lengthText(clearance, Math.floor)}` : "";
     const distance = this.distanceAt(pair, time);
     const about = this.isMeasured(pair, time) ? "about" : "above about";
-    const now = Number.isNaN(distance) ? "" : `; now ${about} ${lengthText(distance)}`;
+    const now = Number.isNaN(distance) ? "" : `; at this instant ${about} ${lengthText(distance)}`;
     return span + proved + now;
   }
 }

@@ -1,30 +1,24 @@
-// Lengths and times in words. Lower bounds are rounded down, so that they stay true.
+// Lengths and times as text. Lower bounds are rounded down.
 
-const UNITS = [
-  ["km", 1e3, 1e4],
-  ["m", 1, 1],
-  ["mm", 1e-3, 1e-3],
-  ["µm", 1e-6, 1e-6],
-  ["nm", 1e-9, 0],
-];
 const DIGITS = 4;
 
-// Returns a length in m as text; `round` is Math.round, or Math.floor for bounds.
+// The unit of lengths, and its size in m. main.js sets it to the unit of the scene.
+const lengthUnit = { name: "m", metres: 1 };
+
+// Returns a length in m as text in the unit of the scene; `round` is Math.round, or Math.floor for lower bounds.
 function lengthText(metres, round = Math.round) {
-  if (!(metres > 0)) return "0";
-  const [unit, size] = UNITS.find(([, , from]) => metres >= from);
-  const value = metres / size;
+  return numberText(metres / lengthUnit.metres, round);
+}
+
+// Returns a length in the unit of the scene as text.
+function numberText(value, round = Math.round) {
+  if (!(value > 0)) return "0";
   const step = 10 ** (Math.floor(Math.log10(value)) + 1 - DIGITS);
-  return `${Number((round(value / step) * step).toPrecision(DIGITS))} ${unit}`;
+  const number = Number((round(value / step) * step).toPrecision(DIGITS));
+  return `${number < 1e-4 || number >= 1e15 ? number.toExponential().replace("+", "") : number} ${lengthUnit.name}`;
 }
 
-// Returns the unit that fits a length, as its name and m.
-function unitOf(metres) {
-  const [unit, size] = UNITS.find(([, , from]) => metres >= from);
-  return { unit, size };
-}
-
-// Returns a time in s as text, in so many digits, or in whole microseconds where those are more.
+// Returns a time in s as text with at least some digits, or with more if microseconds need them.
 function timeText(seconds, least = 6) {
   const digits = Math.abs(seconds) >= 1e5 ? Math.floor(Math.log10(Math.abs(seconds))) + 7 : least;
   return `${Number(seconds.toPrecision(digits))} s`;

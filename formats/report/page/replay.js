@@ -1,4 +1,4 @@
-// The replay: the bodies at a moment, coloured by how near they are to another, with lines between the nearest points.
+// The replay: the bodies at one time, coloured by their worst pair, with lines between closest points.
 
 const EYE = [1.1, -1.6, 0.9];
 const FIELD_OF_VIEW = 40;

@@ -14,7 +14,7 @@ _WRITTEN = re.compile(rf"(\S+?)\s*({'|'.join(METRES)})?")
 _EXACT = Context(prec=60)
 
 # Numbers from the first to below the second are written without an exponent.
-_PLAIN = Decimal("1e-6"), Decimal("1e21")
+_PLAIN = Decimal("1e-4"), Decimal("1e15")
 
 
 def read_length(text: str) -> float:
@@ -54,6 +54,6 @@ def length_number(value: float, unit: str, digits: int = 6, rounding: str = ROUN
     if rounded == 0:
         return "0"
     if not least <= abs(rounded) < beyond:
-        return f"{float(rounded):.{digits}g}"
+        return re.sub("e[+]?(-?)0*", r"e\1", f"{float(rounded):.{digits}g}")
     text = f"{rounded:f}"
     return text.rstrip("0").rstrip(".") if "." in text else text
