@@ -143,6 +143,11 @@ def test_every_command_ends_well_on_logs_that_are_wrong(folder, first):
         check_seed(folder, seed)
 
 
+@pytest.mark.parametrize("seed", [100264])  # which names more pairs than it counts
+def test_every_command_ends_well_on_logs_that_once_went_wrong(folder, seed):
+    check_seed(folder, seed)
+
+
 @pytest.mark.deep
 def test_every_command_ends_well_on_thousands_of_logs_that_are_wrong(folder, capsys):
     first, count = (int(os.environ.get(f"CLOSECALL_FUZZ_{name}", value)) for name, value in DEEP.items())

@@ -123,9 +123,8 @@ def _write(reader: LogReader, identity: Identity, choice: Choice, contents: _Con
     chunks.flush()
     summary, loss = folding.found(None).summary, reader.loss
     counts = {f"count{name}": str(one.written) for name, one in channels.items()}
-    counts["count/pairs"] = str(summary["pairs_total"])  # a log of another writer may name more than it counts
     chunks.add_metadata(METADATA, values | counts | ({} if loss is None else {LOST: loss.told}))
-    if loss is None:
+    if loss is None and summary["pairs_total"] == identity.pairs_total:  # a foreign log may name more than it counts
         data = to_json(summary).encode()
         chunks.add_attachment(SUMMARY, "application/json", data, identity.log_time(identity.end))
     chunks.finish()
