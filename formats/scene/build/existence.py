@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
-from ....scheduler.motions import Interval
 from ....scheduler.model.scene import ALWAYS
-from ..text.document import Findings
-from ..text.errors import quoted
+from ....scheduler.motions import Interval
 from ..grammar.scene import BodyPart, TimeRange
 from ..limits import SMALLEST_SIZE
+from ..text.document import Findings
+from ..text.errors import quoted
 
 
 def existence(name: str, part: BodyPart, time: TimeRange, findings: Findings) -> Interval:

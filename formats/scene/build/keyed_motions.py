@@ -11,21 +11,21 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from ....scheduler.motions import Fixed, Interval, Keyframes, Looped, Motion, Translation
 from ....scheduler.geometry.arrays import FloatArray
-from ..quantities.arrays import read_only
-from ..text.document import Findings
-from ..text.errors import Where, printable, quoted
-from ..text.folder import Folder, FolderError
+from ....scheduler.motions import Fixed, Interval, Keyframes, Looped, Motion, Translation
 from ..grammar.motions import FileMotion, Key, KeyframesMotion, PathMotion
 from ..limits import SMALLEST_SIZE
 from ..loaded import InputFile, KeyNames
-from .names import name_problem, normal
+from ..quantities.arrays import read_only
 from ..quantities.poses import placement
-from ..trajectory_files.trajectories import LARGEST_TRAJECTORY, Trajectory, TrajectoryError, read_trajectory
-from ..trajectory_files.kitti import Clock, Stamps, read_stamps
 from ..quantities.turns import spelling_of, turn_warnings, written_turn
 from ..quantities.units import Scale, metres_of
+from ..text.document import Findings
+from ..text.errors import Where, printable, quoted
+from ..text.folder import Folder, FolderError
+from ..trajectory_files.kitti import Clock, Stamps, read_stamps
+from ..trajectory_files.trajectories import LARGEST_TRAJECTORY, Trajectory, TrajectoryError, read_trajectory
+from .names import name_problem, normal
 
 Content = TypeVar("Content", Trajectory, Stamps)
 

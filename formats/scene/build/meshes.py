@@ -9,21 +9,21 @@ from pathlib import Path
 
 import numpy as np
 
-from ....scheduler.solids.enclosed_space import Doubt, Enclosed, UndecidedError, enclosed_by
 from ....scheduler.geometry.arrays import FloatArray, IntArray
-from ....scheduler.model.scene import (Mesh)
-from ..text.errors import counted, printable, quoted
-from ..text.folder import Folder, FolderError
+from ....scheduler.model.scene import Mesh
+from ....scheduler.solids.enclosed_space import Doubt, Enclosed, UndecidedError, enclosed_by
 from ..grammar.scene import MeshReference
 from ..limits import LARGEST_NUMBER, SMALLEST_COORDINATE
 from ..mesh_files.obj import read_obj
 from ..mesh_files.off import read_off
 from ..mesh_files.ply import read_ply
-from .primitive_meshes import frozen_mesh, scaled_mesh
-from ..text.signatures import named_format
 from ..mesh_files.stl import read_stl
 from ..mesh_files.surface import MeshError, Surface, Topology, topology, used_only, welded
 from ..quantities.units import in_unit, metres, metres_of
+from ..text.errors import counted, printable, quoted
+from ..text.folder import Folder, FolderError
+from ..text.signatures import named_format
+from .primitive_meshes import frozen_mesh, scaled_mesh
 
 
 def _read_3mf(data: bytes) -> Surface:

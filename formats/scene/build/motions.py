@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from ....scheduler.model.scene import least_duration
 from ....scheduler.motions import (
     Ballistic,
     Constant,
@@ -15,14 +16,10 @@ from ....scheduler.motions import (
     Motion,
     Orbit,
     Polynomial,
-    Trapezoid,
     Screw,
     Swing,
+    Trapezoid,
 )
-from ....scheduler.model.scene import least_duration
-from ..text.document import Findings
-from ..text.errors import Where, quoted
-from ..text.folder import Folder
 from ..grammar.motions import (
     BallisticMotion,
     ConstantMotion,
@@ -39,9 +36,12 @@ from ..grammar.motions import (
 )
 from ..limits import FARTHEST_PLACE, PERPENDICULAR_TOLERANCE
 from ..loaded import InputFile, KeyNames
-from .keyed_motions import PathReader
 from ..quantities.poses import Vector, unit_vector
 from ..quantities.units import Scale
+from ..text.document import Findings
+from ..text.errors import Where, quoted
+from ..text.folder import Folder
+from .keyed_motions import PathReader
 
 SmoothMotion = (
     ConstantMotion | BallisticMotion | ScrewMotion | OrbitMotion | HarmonicMotion | SwingMotion | PolynomialMotion

@@ -7,10 +7,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from fnmatch import translate
 from re import compile
 
-from ..text.document import Findings
-from ..text.errors import Where, quoted
 from ..grammar.scene import BodyPart
 from ..limits import MOST_PATTERN_COMPARISONS
+from ..text.document import Findings
+from ..text.errors import Where, quoted
 
 WORLD = "world"
 _FORBIDDEN = frozenset("\"'/*?[]|")

@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from ....scheduler.geometry.arrays import FloatArray, IntArray
-from ....scheduler.model.scene import (Mesh)
+from ....scheduler.model.scene import Mesh
 from ..quantities.arrays import read_only
 
 # Corners as bits of their index: x = 1, y = 2, z = 4. Every face is two triangles, outward by the right hand.

@@ -12,9 +12,9 @@ from math import cos, pi, ulp
 
 import numpy as np
 
-from ....scheduler.geometry.round_solid import RoundSolid
 from ....scheduler.geometry.arrays import FloatArray, IntArray
-from ....scheduler.model.scene import (Mesh)
+from ....scheduler.geometry.round_solid import RoundSolid
+from ....scheduler.model.scene import Mesh
 from .primitive_meshes import frozen_mesh
 
 _FACETS = 64

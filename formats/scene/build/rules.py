@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from ....scheduler.model.scene import PairRules, PairSet
+from ..grammar.scene import PairPart, PairsPart
+from ..quantities.units import Scale
 from ..text.document import Findings
 from ..text.errors import Where, quoted
-from ..grammar.scene import PairPart, PairsPart
 from .names import Bodies
-from ..quantities.units import Scale
 
 
 def pair_rules(part: PairsPart, bodies: Bodies, scale: Scale, findings: Findings) -> PairRules:

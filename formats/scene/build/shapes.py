@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ....scheduler.model.scene import Mesh, Shape
-from ..text.document import Findings
-from ..text.errors import Where, quoted
 from ..grammar.scene import MeshReference
 from ..grammar.shapes import Box, Capsule, Cone, Cylinder, Ellipsoid, MeshShape, ShapePart, Sphere
 from ..loaded import InputFile
+from ..mesh_files.surface import MeshError
+from ..quantities.poses import placement
+from ..quantities.units import Scale
+from ..text.document import Findings
+from ..text.errors import Where, quoted
 from .meshes import MeshFolder
 from .names import declared, normal
-from ..quantities.poses import placement
-from .round_meshes import RoundMesh, cone_mesh, cylinder_mesh, ellipsoid_mesh
 from .primitive_meshes import box_mesh, point_mesh, segment_mesh
-from ..mesh_files.surface import MeshError
-from ..quantities.units import Scale
+from .round_meshes import RoundMesh, cone_mesh, cylinder_mesh, ellipsoid_mesh
 
 
 class ShapeReader:

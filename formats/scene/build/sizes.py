@@ -11,16 +11,16 @@ from math import sqrt
 
 import numpy as np
 
+from ....scheduler.geometry.arrays import FloatArray
+from ....scheduler.geometry.vector import ZERO
 from ....scheduler.kinematics.chain import chain_to
 from ....scheduler.model.extent import Ball, Extent
-from ....scheduler.motions import Fixed, Interval
+from ....scheduler.model.scene import Body, Mesh, Scene, Shape
 from ....scheduler.model.world_poses import WorldPoses
-from ....scheduler.geometry.arrays import FloatArray
-from ....scheduler.model.scene import (Body, Mesh, Scene, Shape)
-from ....scheduler.geometry.vector import ZERO
+from ....scheduler.motions import Fixed, Interval
+from ..limits import COARSE_PLACE, COARSE_TERMS, MOST_ROUNDING, UNLIKELY_RATIO
 from ..text.document import Findings
 from ..text.errors import Where, counted
-from ..limits import COARSE_PLACE, COARSE_TERMS, MOST_ROUNDING, UNLIKELY_RATIO
 
 
 def check_sizes(scene: Scene, names: tuple[str, ...], files: Mapping[Mesh, str], findings: Findings) -> None:
