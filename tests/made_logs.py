@@ -223,6 +223,7 @@ def _values(epoch: int) -> dict[str, str]:
         "chord_errors": '{"arm": 0.001}',
         "exists": '{"ball": [0.0, 3.5]}',
         "margins": '[[["arm"], ["wall", "post"], 0.01]]',
+        "length_unit": "m",
         "mesh/0": "0" * 64,
     }
 
