@@ -21,7 +21,7 @@ from tempfile import TemporaryDirectory
 import fcl
 import numpy as np
 
-from closecall.cli.rate import snapshot_rate
+from closecall.cli.application.rate import snapshot_rate
 from closecall.formats.scene.reader import read_scene
 from closecall.scheduler.model.events import Level, Reason, Span, Verdict, Wakeup
 from closecall.scheduler.model.scene import Body

@@ -13,11 +13,14 @@ import click
 from ..formats.log.errors import LogError
 from ..formats.log.severity import VERDICTS
 from ..formats.scene.text.errors import SceneError
-from .faults import WorkerError, faults_reported, report
-from .job import Result, run_job
-from .options import RunOptions
+from .application.errors import OptionError, WorkerError
+from .application.options import RunOptions
+from .application.run import Result, run
+from .faults import faults_reported, report
+from .options import ConsoleOptions, misuse
+from .progress import ProgressBar
 from .show import STYLES, console_for, print_json, print_rows, print_warnings
-from .terminal import cell
+from .terminal import cell, say
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +33,7 @@ class Outcome:
     code: int
 
 
-def run_many(scenes: Sequence[Path], folder: Path, options: RunOptions) -> int:
+def run_many(scenes: Sequence[Path], folder: Path, options: RunOptions, console: ConsoleOptions) -> int:
     """Run every scene into a log of its own in `folder`; return the worst exit code."""
     logs = log_names(scenes)
     try:
@@ -41,10 +44,10 @@ def run_many(scenes: Sequence[Path], folder: Path, options: RunOptions) -> int:
     for scene, name in zip(scenes, logs, strict=True):
         log = folder / name
         with faults_reported(log):
-            outcomes.append(_run_one(scene, log, options))
-    if options.as_json:
+            outcomes.append(_run_one(scene, log, options, console))
+    if console.as_json:
         print_json({"scenes": [_as_json(outcome) for outcome in outcomes]})
-    elif not options.quiet:
+    elif not console.quiet:
         _print_table(outcomes)
     return max(outcome.code for outcome in outcomes)
 
@@ -62,16 +65,19 @@ def _folder_name(scene: Path) -> str:
     return os.path.basename(os.path.dirname(os.path.realpath(scene)))  # realpath accepts broken links too
 
 
-def _run_one(scene: Path, log: Path, options: RunOptions) -> Outcome:
+def _run_one(scene: Path, log: Path, options: RunOptions, console: ConsoleOptions) -> Outcome:
     """Run one scene; print its errors on stderr."""
     try:
-        result = run_job(scene, log, options)
+        result = run(scene, log, options, watcher=ProgressBar(scene.name, console.quiet))
+    except OptionError as error:  # another scene may allow the value
+        say(f"{scene}: {misuse(error).format_message()}", to_stderr=True)
+        return Outcome(scene, log, None, 2)
     except (SceneError, LogError, WorkerError) as fault:
         report(fault, log)
         return Outcome(scene, log, None, 2)
-    if not options.quiet:
+    if not console.quiet:
         print_warnings(result.warnings, result.note)
-    return Outcome(scene, log, result, int(result.finds(options.fail_on)))
+    return Outcome(scene, log, result, int(result.finds(console.fail_on)))
 
 
 def _print_table(outcomes: Sequence[Outcome]) -> None:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 import click
 
+from .application.errors import WorkerError
 from .terminal import say
 
 if TYPE_CHECKING:
@@ -27,13 +28,6 @@ WITH_LOSS = 3
 
 class Terminated(BaseException):
     """SIGTERM came."""
-
-
-class WorkerError(Exception):
-    """Workers that cannot be had, or were lost: one line that says what is wrong and what to do."""
-
-    def __init__(self, problem: str, remedy: str) -> None:
-        super().__init__(f"{problem}; {remedy}")
 
 
 def end_at_interrupts() -> None:

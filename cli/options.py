@@ -1,14 +1,19 @@
-"""The options of `closecall run`, as one value."""
+"""The options of the commands, as click reads them. `RunOptions` holds the defaults of a run and checks its values."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
-from math import inf, nan
+from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
+
+from .application.errors import OptionError
+from .application.options import CHOICES, COUNTS, FEW_PAIRS, RunOptions
+from .application.rate import LEAST_SNAPSHOTS, MOST_SNAPSHOTS, USUAL_RATE
 
 if TYPE_CHECKING:
     from ..formats.log.message_filter import Choice
@@ -16,46 +21,19 @@ if TYPE_CHECKING:
 #: Verdicts on which a run can fail.
 FINDINGS = ("contact", "breach", "unresolved", "possible")
 
-#: Hz, of snapshots. Short runs take the least number, which still shows a curve; long runs take the most.
-USUAL_RATE = 30.0
-LEAST_SNAPSHOTS, MOST_SNAPSHOTS = 120, 36_000
-#: More snapshots than this are refused, if --rate makes so many.
-MOST_ASKED = 1_000_000
-
-MOST_JOBS = 1024
-
 #: Units that a length on the command line can have.
 LENGTH_UNITS = ("m", "cm", "mm", "um", "in", "ft")
+
+DEFAULTS = RunOptions()
 
 AnyFunction = TypeVar("AnyFunction", bound=Callable[..., Any])
 
 
 @dataclass(frozen=True, slots=True)
-class RunOptions:
-    """The options of a run; their help says what each means. Lengths are in m, times in s."""
+class ConsoleOptions:
+    """What `closecall run` prints, and the verdicts on which it exits with 1. The help says what each option means."""
 
-    output: Path | None
-    out_dir: Path | None
-    time_resolution: float | None
-    contact_tolerance: float | None
-    margin: float | None
-    distance_tolerance: float | Literal["none"] | None
     fail_on: tuple[str, ...]
-    epoch: int
-    compression: str
-    attach_meshes: bool
-    mesh_roots: tuple[Path, ...]
-    max_bytes: int
-    max_pairs: int
-    strict: bool
-    broad_phase: str
-    jobs: int
-    cluster: str | None
-    log: str
-    topics: str
-    rate: float | None
-    viz_pairs: int
-    viz_triangles: int
     as_json: bool
     quiet: bool
     verbose: bool
@@ -74,37 +52,16 @@ def one_or_more_of(allowed: Sequence[str]) -> Callable[[click.Context, click.Par
     return chosen
 
 
-def _share(ctx: click.Context, param: click.Parameter, value: str | None) -> float | Literal["none"] | None:
-    """Read a share below 1, or none."""
-    if value is None:
-        return None
-    if value == "none":
-        return "none"
-    try:
-        share = float(value)
-    except ValueError:
-        share = nan
-    if not 1e-6 <= share < 1.0:
-        raise click.BadParameter(f"expected none, or a share of 1e-6 up to 1, got {value!r}.", ctx, param)
-    return share
+def _or_word(number: type[int] | type[float]) -> Callable[[str], float | str]:
+    """Return a function that reads a number and returns any other word unchanged; `RunOptions` checks both."""
 
+    def read(value: str) -> float | str:
+        try:
+            return number(value)
+        except ValueError:
+            return value
 
-def _jobs(ctx: click.Context, param: click.Parameter, value: str) -> int:
-    """Read a number of processes; auto means as many as there are processors that this one may use."""
-    if value == "auto":
-        from loky import cpu_count
-
-        return int(cpu_count())
-    if not value.isdecimal() or not 1 <= int(value) <= MOST_JOBS:
-        raise click.BadParameter(f"expected auto, or 1 to {MOST_JOBS}, got {value!r}.", ctx, param)
-    return int(value)
-
-
-def _rate(ctx: click.Context, param: click.Parameter, value: float | None) -> float | None:
-    """Check that the rate is a number that can be kept."""
-    if value is not None and not 0.0 <= value <= 1e6:
-        raise click.BadParameter(f"expected 0 to 1e6 Hz, got {value}.", ctx, param)
-    return value
+    return read
 
 
 class _FileName(click.Path):
@@ -157,25 +114,27 @@ _SCENE_OPTIONS = (
     ),
     click.option(
         "--max-bytes",
-        type=click.IntRange(1),
-        default=64 * 2**20,
+        type=click.IntRange(*COUNTS["max_bytes"]),
+        default=DEFAULTS.max_bytes,
         show_default=True,
         help="Refuse a larger scene file.",
     ),
     click.option(
         "--max-pairs",
-        type=click.IntRange(1),
-        default=5_000_000,
+        type=click.IntRange(*COUNTS["max_pairs"]),
+        default=DEFAULTS.max_pairs,
         show_default=True,
         help="Refuse more pairs than this when no broad phase is used.",
     ),
     click.option("--strict", is_flag=True, help="Treat warnings about the scene as errors."),
 )
-_OPTIONS = (
+_OUTPUT_OPTIONS = (
     click.option(
         "-o", "--output", type=FILE_NAME, metavar="LOG", help="Write the log to this file; - means standard output."
     ),
     click.option("--out-dir", type=FILE_NAME, metavar="DIR", help="Write one log per scene into this folder."),
+)
+_RUN_OPTIONS = (
     click.option("--time-resolution", type=float, metavar="S", help="Set the minimum step, in seconds."),
     click.option(
         "--contact-tolerance",
@@ -191,66 +150,60 @@ _OPTIONS = (
     ),
     click.option(
         "--distance-tolerance",
-        callback=_share,
+        type=_or_word(float),
         metavar="FRACTION",
         help="Certify each minimum distance to within this fraction of it; none skips the search.  [default: 0.01]",
     ),
     click.option(
-        "--fail-on",
-        callback=one_or_more_of(FINDINGS),
-        metavar="VERDICTS",
-        help=f"Exit with 1 if a pair has one of these verdicts: {','.join(FINDINGS)}.",
-    ),
-    click.option(
         "--epoch",
         type=int,
-        default=0,
+        default=DEFAULTS.epoch,
         show_default=True,
         metavar="NS",
         help="Add this offset to all log times, in nanoseconds.",
     ),
     click.option(
         "--compression",
-        type=click.Choice(["zstd", "lz4", "none"]),
-        default="zstd",
+        type=click.Choice(CHOICES["compression"]),
+        default=DEFAULTS.compression,
         show_default=True,
         help="Compress the log with this method.",
     ),
     click.option(
         "--attach-meshes/--no-attach-meshes",
-        default=True,
+        default=DEFAULTS.attach_meshes,
         show_default=True,
         help="Attach the mesh files to the log.",
     ),
     *_SCENE_OPTIONS,
     click.option(
         "--broad-phase",
-        type=click.Choice(["auto", "on", "off"]),
-        default="auto",
+        type=click.Choice(CHOICES["broad_phase"]),
+        default=DEFAULTS.broad_phase,
         show_default=True,
-        help="Clear distant pairs by their swept boxes; auto does so for scenes with more than 1000 pairs.",
+        help=f"Clear distant pairs by their swept boxes; auto does so for scenes with more than {FEW_PAIRS} pairs.",
     ),
     click.option(
         "-j",
         "--jobs",
-        default="1",
+        type=_or_word(int),
+        default=DEFAULTS.jobs,
         show_default=True,
-        callback=_jobs,
         metavar="N",
         help="Share the pairs among N processes; auto starts one per processor. The log does not depend on N.",
     ),
     click.option("--cluster", metavar="ADDRESS", help="Share the pairs among the workers of this Dask scheduler."),
     click.option(
         "--log",
-        type=click.Choice(["full", "certificate"]),
-        default="full",
+        type=click.Choice(CHOICES["log"]),
+        default=DEFAULTS.log,
         show_default=True,
         help="Choose the content of the log; certificate omits the data for viewers.",
     ),
     click.option(
         "--topics",
-        type=click.Choice(["single", "body"]),
-        default="single",
+        type=click.Choice(CHOICES["topics"]),
+        default=DEFAULTS.topics,
         show_default=True,
         help="Write distances to a single topic, or to one topic per body.",
     ),
@@ -260,22 +213,29 @@ _OPTIONS = (
         show_default=f"{USUAL_RATE:g}; higher below {LEAST_SNAPSHOTS / USUAL_RATE:g} s of scene time, "
         f"lower above {MOST_SNAPSHOTS / USUAL_RATE:g} s, for at most {MOST_SNAPSHOTS} snapshots",
         metavar="HZ",
-        callback=_rate,
         help="Take this many snapshots per second for viewers; 0 takes them only at contacts.",
     ),
     click.option(
         "--viz-pairs",
-        type=click.IntRange(1, 1000),
-        default=10,
+        type=click.IntRange(*COUNTS["viz_pairs"]),
+        default=DEFAULTS.viz_pairs,
         show_default=True,
         help="Show this many of the closest pairs in each snapshot.",
     ),
     click.option(
         "--viz-triangles",
-        type=click.IntRange(0),
-        default=1_000_000,
+        type=click.IntRange(*COUNTS["viz_triangles"]),
+        default=DEFAULTS.viz_triangles,
         show_default=True,
         help="Draw at most this many triangles; draw the remaining bodies as boxes.",
+    ),
+)
+_CONSOLE_OPTIONS = (
+    click.option(
+        "--fail-on",
+        callback=one_or_more_of(FINDINGS),
+        metavar="VERDICTS",
+        help=f"Exit with 1 if a pair has one of these verdicts: {','.join(FINDINGS)}.",
     ),
     click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON."),
     click.option("-q", "--quiet", is_flag=True, help="Print only errors."),
@@ -283,9 +243,19 @@ _OPTIONS = (
 )
 
 
+def output_options(function: AnyFunction) -> AnyFunction:
+    """Add the options that say where logs go to a command: output, out_dir."""
+    return _with(_OUTPUT_OPTIONS, function)
+
+
 def run_options(function: AnyFunction) -> AnyFunction:
     """Add the options of a run to a command, which takes them as keywords of `RunOptions`."""
-    return _with(_OPTIONS, function)
+    return _with(_RUN_OPTIONS, function)
+
+
+def console_options(function: AnyFunction) -> AnyFunction:
+    """Add the options of the console to a command, which takes them as keywords of `ConsoleOptions`."""
+    return _with(_CONSOLE_OPTIONS, function)
 
 
 def scene_options(function: AnyFunction) -> AnyFunction:
@@ -310,6 +280,37 @@ def choice_of(topics: tuple[str, ...], pairs: tuple[str, ...], start: float | No
     if not low <= high:
         raise click.BadParameter(f"expected --from before --to, got {start} and {end}.", param_hint="--from")
     return Choice(topics, pairs, low, high)
+
+
+def options_of(words: Sequence[str]) -> RunOptions:
+    """Return the options of a run, written as on the command line.
+
+    Raises:
+        click.UsageError: for words that are not options of a run.
+    """
+    parser = run_options(click.Command("closecall run", add_help_option=False))
+    with parser.make_context(parser.name, list(words)) as context, misuse_reported():
+        return RunOptions(**context.params)
+
+
+@contextmanager
+def misuse_reported() -> Iterator[None]:
+    """Turn an option error into a usage error of the current command line.
+
+    Raises:
+        click.BadParameter: for a value that an option of a run cannot have.
+    """
+    try:
+        yield
+    except OptionError as error:
+        raise misuse(error) from error
+
+
+def misuse(error: OptionError) -> click.BadParameter:
+    """Return an option error as click words it: with the name of the option on the command line."""
+    context = click.get_current_context()
+    (option,) = (option for option in context.command.params if option.name == error.option)
+    return click.BadParameter(f"{error.problem}.", context, option)
 
 
 def _with(options: Sequence[Callable[[AnyFunction], AnyFunction]], function: AnyFunction) -> AnyFunction:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from math import ceil, inf
 from time import monotonic
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
@@ -15,8 +15,9 @@ from rich.table import Column
 from ..formats.log.viewer.pictures import Picture
 from ..formats.scene.text.errors import printable
 from ..scheduler.model.events import Bound, Collision, Phase, Reason, Snapshot, Span, Wakeup
-
-ToldT = TypeVar("ToldT")
+from ..scheduler.model.scene import Scene
+from .application.watcher import Events, SharesDone, Watcher
+from .faults import raise_interrupts
 
 #: s, at least, between two updates of the bar: its CPU time is too short to measure.
 BETWEEN_UPDATES = 0.1
@@ -162,34 +163,43 @@ def _bar(title: str) -> Iterator[_Bar | None]:
         yield _Bar(bar, title)
 
 
-def shown(events: Iterable[ToldT], start: float, end: float, title: str, names: Names) -> Generator[ToldT, None, None]:
-    """Yield the events while a bar shows what is done, and how far that is.
+class ProgressBar(Watcher):
+    """Shows the progress of a run on a terminal, and lets Ctrl-C leave its log in order.
 
     Args:
-        events: of the run from `start` to `end` (s), with its snapshots or pictures.
-        start, end: s.
         title: the scene's name.
-        names: what its steps are called.
+        quiet: whether to show nothing.
     """
-    with _bar(title) as bar:
-        if bar is None:
-            yield from events
-            return
-        steps, due = Steps(start, end, names), 0.0
-        bar.show(steps.step, steps.share, steps.counts)
-        for event in events:
-            yield event
-            steps.tell(event)
-            if monotonic() >= due:
-                bar.show(steps.step, steps.share, steps.counts)
-                due = monotonic() + BETWEEN_UPDATES
 
+    def __init__(self, title: str, quiet: bool) -> None:
+        self._title = title
+        self._quiet = quiet
 
-@contextmanager
-def shares_shown(title: str, quiet: bool) -> Iterator[Callable[[str, int, int], None]]:
-    """Lend a function of a step, its parts done and all its parts; a bar shows them, likewise."""
-    if quiet:
-        yield lambda step, done, of: None
-        return
-    with _bar(title) as bar:
-        yield lambda step, done, of: bar.show(step, done / of, f"{done} of {of} shares") if bar is not None else None
+    def ready(self) -> None:
+        """Have Ctrl-C raise KeyboardInterrupt from now on."""
+        raise_interrupts()
+
+    def events(self, events: Events, scene: Scene, told: bool) -> Events:
+        """Yield the events while a bar shows the step, its share done and its time left."""
+        with self._bar() as bar:
+            if bar is None:
+                yield from events
+                return
+            steps, due = Steps(scene.start, scene.end, TOLD if told else HERE), 0.0
+            bar.show(steps.step, steps.share, steps.counts)
+            for event in events:
+                yield event
+                steps.tell(event)
+                if monotonic() >= due:
+                    bar.show(steps.step, steps.share, steps.counts)
+                    due = monotonic() + BETWEEN_UPDATES
+
+    @contextmanager
+    def shares(self) -> Iterator[SharesDone]:
+        """Lend a function that shows how many shares of a step are done."""
+        with self._bar() as bar:
+            yield lambda step, done, of: bar.show(step, done / of, f"{done} of {of} shares") if bar else None
+
+    def _bar(self) -> AbstractContextManager[_Bar | None]:
+        """Lend a bar; None if it is not shown."""
+        return nullcontext() if self._quiet else _bar(self._title)

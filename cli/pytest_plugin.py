@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _UPDATE = "--closecall-update"
 
 # Goldens are small: what viewers get, and the meshes, are left out.
-_GOLDEN_OPTIONS = ("-q", "--log", "certificate", "--no-attach-meshes")
+_GOLDEN_OPTIONS = ("--log", "certificate", "--no-attach-meshes")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -68,7 +68,7 @@ class Golden:
 
         Args:
             scene: the scene file, relative to the test's folder.
-            options: of `closecall run`, as on the command line.
+            options: of the run, as words on the command line of `closecall run`.
             name: tells several goldens of one test apart.
             time_tol, time_rtol, distance_tol, distance_rtol, within_brackets, ignore: as those of `closecall diff`.
         """
@@ -95,14 +95,15 @@ class Golden:
 
         from ..formats.log.errors import LogError
         from ..formats.scene.text.errors import SceneError
-        from .commands.run import options_of
-        from .job import run_job
+        from .application.errors import OptionError, WorkerError
+        from .application.run import run
+        from .options import options_of
 
         try:
-            run_job(scene, log, options_of(scene, log, [*_GOLDEN_OPTIONS, *options]))
+            run(scene, log, options_of([*_GOLDEN_OPTIONS, *options]))
         except click.ClickException as fault:
             pytest.fail(fault.format_message(), pytrace=False)
-        except (SceneError, LogError) as fault:
+        except (OptionError, SceneError, LogError, WorkerError) as fault:
             pytest.fail(str(fault), pytrace=False)
         return log
 

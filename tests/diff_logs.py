@@ -12,8 +12,8 @@ import trimesh
 from mcap.records import Channel, Message
 from rewritten_logs import Change
 
-from closecall.cli.commands.run import options_of
-from closecall.cli.job import run_job
+from closecall.cli.application.run import run
+from closecall.cli.options import options_of
 from closecall.formats.log.container.checks import TYPES
 
 SCENE = """\
@@ -50,7 +50,7 @@ def write_scene(folder: Path, text: str = SCENE, subdivisions: int = 2) -> Path:
 
 def run_scene(scene: Path, log: Path, *options: str) -> Path:
     """Run a scene as `closecall run` does, inside this process; return the log."""
-    run_job(scene, log, options_of(scene, log, ["-q", "--log", "certificate", *options]))
+    run(scene, log, options_of(["--log", "certificate", *options]))
     return log
 
 

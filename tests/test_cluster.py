@@ -13,9 +13,9 @@ from cli_process import closecall, command
 from distributed import Client, LocalCluster
 from sample_runs import FOLDER
 
-from closecall.cli import workers
-from closecall.cli.faults import WorkerError
-from closecall.cli.sharing import told_by_workers
+from closecall.cli.application import workers
+from closecall.cli.application.errors import WorkerError
+from closecall.cli.application.sharing import told_by_workers
 from closecall.formats.scene.reader import read_scene
 from closecall.scheduler.parallel.transport import Work
 
@@ -106,4 +106,4 @@ def test_without_dask_the_extra_is_named(tmp_path):
 def test_jobs_and_a_cluster_at_once_are_a_usage_error(tmp_path):
     done = closecall("run", SCENE, "-o", "out.mcap", "--cluster", "tcp://127.0.0.1:9", "--jobs", "2", cwd=tmp_path)
     assert done.returncode == 2
-    assert "either --jobs, or --cluster" in done.stderr
+    assert "either jobs or a cluster, not both" in done.stderr

@@ -14,7 +14,7 @@ import pytest
 from cli_process import closecall, command, long_scene
 from sample_runs import FOLDER, NAMES
 
-from closecall.cli.sharing import told_by_workers
+from closecall.cli.application.sharing import told_by_workers
 from closecall.formats.scene.reader import read_scene
 from closecall.scheduler.broad.active_pairs import ActivePairs
 from closecall.scheduler.broad.broad_phase import BroadPhase

@@ -64,17 +64,15 @@ FLOORS = {
         "filters",
         "diff",
     ),
+    "cli/application": ("errors", "options", "rate", "scenes", "workers", "sharing", "watcher", "run"),
     "cli": (
+        "application",
         "terminal",
         "options",
-        "rate",
         "faults",
         "group",
         "main",
-        "workers",
         "progress",
-        "sharing",
-        "job",
         "show",
         "show_diff",
         "understood",
@@ -137,6 +135,11 @@ def test_one_module_imports_fcl_and_the_scheduler_knows_no_file_format():
         assert not [path for path in sources(folder) if "fcl" in imported(path)]
 
 
+def test_the_application_knows_no_command_line():
+    for path in sources("cli/application"):
+        assert not {name.split(".")[0] for name in imported(path)} & {"click", "rich", "pytest"}
+
+
 def test_every_package_folder_is_listed_and_mapped():
     setup = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
     tops = {f"closecall.{folder}": folder for folder in MAY_IMPORT}
@@ -158,7 +161,7 @@ def test_the_wheel_holds_the_package_and_nothing_else(tmp_path):
     assert {name.split("/")[0] for name in names} == {"closecall"}
     held = {name for name in names if name.endswith(".py")}
     expected = {f"closecall/{path.relative_to(ROOT).as_posix()}" for folder in MAY_IMPORT for path in sources(folder)}
-    assert held == expected | {"closecall/__init__.py", "closecall/__main__.py"}
+    assert held == expected | {f"closecall/{name}.py" for name in ("__init__", "__main__", "api")}
     assert "closecall/py.typed" in names
     assert "closecall/formats/log/messages.proto" in names
     parts = {f"closecall/formats/report/page/{path.name}" for path in (ROOT / "formats/report/page").iterdir()}

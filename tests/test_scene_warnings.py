@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from scene_files import HEAD, MOTION, TETRAHEDRON, load, warnings
 
-from closecall.cli.job import counted_pairs
+from closecall.cli.application.scenes import counted_pairs
 from closecall.formats.scene.reader import read_scene
 
 

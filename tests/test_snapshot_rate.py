@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-import click
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from closecall.cli.application.errors import OptionError
+from closecall.cli.application.rate import snapshot_rate, thinned
 from closecall.cli.commands.run import command
-from closecall.cli.rate import snapshot_rate, thinned
 from closecall.scheduler.model.scene import Body, PairRules, Scene
 from closecall.scheduler.motions import Fixed
 from closecall.scheduler.snapshots.schedule import snapshot_times
@@ -36,7 +36,7 @@ def test_only_a_run_that_takes_them_less_often_than_usual_says_so() -> None:
 def test_a_rate_that_is_asked_for_is_kept_up_to_a_million_snapshots() -> None:
     assert snapshot_rate(1e6, 1.0) == 1.0
     assert snapshot_rate(1.0, 0.0) == 0.0
-    with pytest.raises(click.BadParameter, match="asks for 30,000,000 snapshots"):
+    with pytest.raises(OptionError, match="asks for 30,000,000 snapshots"):
         snapshot_rate(1e6, 30.0)
 
 

@@ -43,8 +43,8 @@ def command(
       closecall check scene.yaml sample_scenes/spinning_bar/scene.yaml -q
       closecall check scene.yaml --suggest-ignores
     """
-    from ...formats.scene.reader import read_scene
     from ...formats.scene.text.errors import SceneError
+    from ..application.scenes import load
     from ..show import print_json, print_warnings
     from ..terminal import say
     from ..understood import print_ignores, print_understood, understood
@@ -53,7 +53,9 @@ def command(
     with faults_reported():
         for scene in scenes:
             try:
-                loaded, total, pairs, margins = _checked(read_scene(scene, mesh_roots, max_bytes), strict, max_pairs)
+                loaded, total, pairs, margins = _checked(
+                    load(scene, mesh_roots=mesh_roots, max_bytes=max_bytes), strict, max_pairs
+                )
             except SceneError as fault:
                 report(fault, None)
                 code = 2
@@ -90,7 +92,8 @@ def _checked(
     from ...scheduler.broad.broad_phase import near_at_start
     from ...scheduler.narrow.narrow_phase import NarrowPhase
     from ...scheduler.pairs.pair_factory import PairFactory
-    from ..job import FEW_PAIRS, counted_pairs, require_few
+    from ..application.options import FEW_PAIRS
+    from ..application.scenes import counted_pairs, require_few
 
     pairing = PairFactory(loaded.scene, NarrowPhase(loaded.scene.bodies), loaded.settings.margin)
     loaded, total = counted_pairs(loaded, strict)

@@ -7,13 +7,13 @@ from itertools import chain
 from tempfile import SpooledTemporaryFile, gettempdir
 from typing import IO, Any, NamedTuple
 
-from ..formats.log.viewer.pictures import Picture, pictures
-from ..formats.log.viewer.viewer import ViewerOptions
-from ..scheduler.model.share import shares_of
-from ..scheduler.parallel.merge import Stream, packed_ticks, stream, told_in_order, windows_of
-from ..scheduler.parallel.transport import Work, packed, unpacked_stream
-from ..scheduler.snapshots.schedule import Instant, Taken, instants
-from .faults import WorkerError
+from ...formats.log.viewer.pictures import Picture, pictures
+from ...formats.log.viewer.viewer import ViewerOptions
+from ...scheduler.model.share import shares_of
+from ...scheduler.parallel.merge import Stream, packed_ticks, stream, told_in_order, windows_of
+from ...scheduler.parallel.transport import Work, packed, unpacked_stream
+from ...scheduler.snapshots.schedule import Instant, Taken, instants
+from .errors import WorkerError
 from .workers import Team, team_of
 
 #: Shares for each worker, so that one that got slow pairs is not waited for; fewer of a crowd, each of which goes

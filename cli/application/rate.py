@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
-import click
+from .errors import OptionError
 
-from .options import LEAST_SNAPSHOTS, MOST_ASKED, MOST_SNAPSHOTS, USUAL_RATE
+#: Hz, of snapshots. Short runs take the least number, which still shows a curve; long runs take the most.
+USUAL_RATE = 30.0
+LEAST_SNAPSHOTS, MOST_SNAPSHOTS = 120, 36_000
+#: More snapshots than this are refused, if `rate` makes so many.
+MOST_ASKED = 1_000_000
 
 
 def snapshot_rate(seconds: float, asked: float | None) -> float:
     """Return the rate (Hz) of snapshots over a run of so many seconds.
 
     Raises:
-        click.BadParameter: where the rate that is asked for makes more than `MOST_ASKED`.
+        OptionError: where the rate that is asked for makes more than `MOST_ASKED`.
     """
     if asked is None:
         return min(max(USUAL_RATE, LEAST_SNAPSHOTS / seconds), MOST_SNAPSHOTS / seconds)
     if asked * seconds > MOST_ASKED:
         problem = f"{asked:g} Hz over {seconds:g} s asks for {asked * seconds:,.0f} snapshots"
         remedy = f"at most {MOST_ASKED:,} are taken: {MOST_ASKED / seconds:.3g} Hz"
-        raise click.BadParameter(f"{problem}; {remedy}.", param_hint="--rate")
+        raise OptionError("rate", f"{problem}; {remedy}")
     return asked
 
 

@@ -16,13 +16,11 @@ from functools import partial
 from importlib.metadata import version
 from multiprocessing import resource_tracker
 from time import sleep
-from typing import Any, TypeVar
-
-import click
+from typing import Any, Literal, TypeVar
 
 from closecall import __version__
 
-from .faults import WorkerError
+from .errors import WorkerError
 
 #: s until a cluster that says nothing counts as lost.
 PATIENCE = 10.0
@@ -61,6 +59,15 @@ class Team:
             while waiting and waiting[0].done():
                 yield waiting.pop(0).result()
             self.check()
+
+
+def processes(jobs: int | Literal["auto"]) -> int:
+    """Return how many processes are meant; "auto" means as many as there are processors that this one may use."""
+    if jobs != "auto":
+        return jobs
+    from loky import cpu_count
+
+    return int(cpu_count())
 
 
 @contextmanager
@@ -110,7 +117,7 @@ def _cluster(address: str) -> Iterator[Team]:
         from distributed import Client, KilledWorker
         from distributed.comm.addressing import resolve_address
     except ImportError as error:
-        raise click.UsageError("--cluster needs Dask: pip install 'closecall[cluster]'.") from error
+        raise WorkerError("--cluster needs Dask", "pip install 'closecall[cluster]'") from error
     try:
         resolve_address(address)
         client: Any = Client(address, timeout=PATIENCE, set_as_default=False)
@@ -118,6 +125,7 @@ def _cluster(address: str) -> Iterator[Team]:
         problem = f"--cluster {address}: no Dask scheduler answers there"
         raise WorkerError(problem, "start one with `dask scheduler`, and name the address that it prints") from error
     lost = f"--cluster {address}: its workers, or its scheduler, were lost"
+    disabled = logging.root.manager.disable
     logging.disable()  # what matters is raised
     try:
         with client:
@@ -133,7 +141,7 @@ def _cluster(address: str) -> Iterator[Team]:
     except (KilledWorker, CancelledError, OSError) as error:
         raise WorkerError(lost, "nothing was written; see their logs, and run again") from error
     finally:
-        logging.disable(logging.NOTSET)
+        logging.disable(disabled)
 
 
 def _require_workers(client: Any, problem: str) -> None:
