@@ -22,7 +22,7 @@ from closecall.scheduler.kinematics.chain import Chain, ChainState, Joint, Part
 from closecall.scheduler.model.extent import Ball, Extent
 from closecall.scheduler.motions import Motion
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "helpers"))
 from drawn_motions import KINDS, constant, interval, random_rest, screw, swing, vector
 
 SAMPLES = 200

@@ -11,7 +11,7 @@ SPOILS = (
         "kinematics.chain",
         "grown = LeverArms(reach.radius + below, reach.axis_radius + below)",
         "grown = reach",
-        "test_lemmas.py::test_what_slides_out_on_a_turntable_goes_a_spiral",
+        "bounds/test_lemmas.py::test_what_slides_out_on_a_turntable_goes_a_spiral",
     ),
     Spoil(
         "no-coriolis",
@@ -19,7 +19,7 @@ SPOILS = (
         "kinematics.chain",
         "+ 2.0 * spin * rates.speed",
         "",
-        "test_lemmas.py::test_what_slides_out_on_a_turntable_goes_a_spiral",
+        "bounds/test_lemmas.py::test_what_slides_out_on_a_turntable_goes_a_spiral",
     ),
     Spoil(
         "no-centripetal-of-frames",
@@ -27,7 +27,7 @@ SPOILS = (
         "kinematics.chain",
         "(spin_up + spin**2) * arm",
         "spin_up * arm",
-        "test_lemmas.py::test_what_slides_out_on_a_turntable_goes_a_spiral",
+        "bounds/test_lemmas.py::test_what_slides_out_on_a_turntable_goes_a_spiral",
     ),
     Spoil(
         "arms-that-do-not-grow-in-rates",
@@ -35,7 +35,7 @@ SPOILS = (
         "kinematics.chain",
         "arm += joint.motion.displacement(state.time, duration, origin_reach(joint.motion))",
         "arm += 0.0",
-        "test_lemmas.py::test_what_slides_out_on_a_turntable_goes_a_spiral",
+        "bounds/test_lemmas.py::test_what_slides_out_on_a_turntable_goes_a_spiral",
     ),
     Spoil(
         "no-gyroscopic-acceleration",
@@ -43,7 +43,7 @@ SPOILS = (
         "kinematics.chain",
         "spin_up += rates.angular_acceleration + spin * rates.angular_speed",
         "spin_up += rates.angular_acceleration",
-        "test_lemmas.py::test_spins_about_crossed_axes_accelerate_each_other",
+        "bounds/test_lemmas.py::test_spins_about_crossed_axes_accelerate_each_other",
     ),
     Spoil(
         "displacement-of-the-last-joint",
@@ -51,7 +51,7 @@ SPOILS = (
         "kinematics.chain",
         "total += joint.motion.displacement(state.time, duration, reach)",
         "total = joint.motion.displacement(state.time, duration, reach)",
-        "test_motions.py::test_bounds_hold_through_random_chains_of_moving_parents",
+        "motions/test_motions.py::test_bounds_hold_through_random_chains_of_moving_parents",
     ),
     Spoil(
         "rounding-forgotten",
@@ -59,7 +59,7 @@ SPOILS = (
         "kinematics.chain",
         "return 8.0 * float(np.finfo(float).eps) * (size + reach)",
         "return 0.0 * (size + reach)",
-        "test_motions.py::test_fixed_frames_that_cancel_are_counted_in_the_rounding",
+        "motions/test_motions.py::test_fixed_frames_that_cancel_are_counted_in_the_rounding",
     ),
     Spoil(
         "rounding-a-four-hundredth",
@@ -67,7 +67,7 @@ SPOILS = (
         "kinematics.chain",
         "return 8.0 * float(np.finfo(float).eps) * (size + reach)",
         "return 0.02 * float(np.finfo(float).eps) * (size + reach)",
-        "test_motions.py::test_fixed_frames_that_cancel_are_counted_in_the_rounding",
+        "motions/test_motions.py::test_fixed_frames_that_cancel_are_counted_in_the_rounding",
     ),
     Spoil(
         "knots-ignored",
@@ -75,7 +75,7 @@ SPOILS = (
         "kinematics.relative_motion",
         "return duration if knot - t > duration else min(duration, shortened(t, knot - t))",
         "return duration",
-        "test_lemmas.py::test_the_lecture_looks_no_farther_than_the_next_knot",
+        "bounds/test_lemmas.py::test_the_lecture_looks_no_farther_than_the_next_knot",
     ),
     Spoil(
         "jumps-slept-across",
@@ -83,7 +83,7 @@ SPOILS = (
         "kinematics.relative_motion",
         "return min(self.a.stop_after(t), self.b.stop_after(t))",
         "return inf",
-        "test_run.py::test_a_step_into_a_solid_is_seen_at_the_jump",
+        "pairs/test_run.py::test_a_step_into_a_solid_is_seen_at_the_jump",
     ),
     Spoil(
         "radii-nine-tenths",
@@ -91,7 +91,7 @@ SPOILS = (
         "kinematics.relative_motion",
         "radius_a, radius_b = self.a.radius(part), self.b.radius(part)",
         "radius_a, radius_b = 0.9 * self.a.radius(part), 0.9 * self.b.radius(part)",
-        "test_lemmas.py::test_the_lectures_speed_and_acceleration_are_those_of_the_outermost_points",
+        "bounds/test_lemmas.py::test_the_lectures_speed_and_acceleration_are_those_of_the_outermost_points",
     ),
     Spoil(
         "no-centripetal-of-points",
@@ -99,7 +99,7 @@ SPOILS = (
         "kinematics.relative_motion",
         "(rates.angular_acceleration + rates.angular_speed**2) * radius",
         "rates.angular_acceleration * radius",
-        "test_lemmas.py::test_the_lectures_speed_and_acceleration_are_those_of_the_outermost_points",
+        "bounds/test_lemmas.py::test_the_lectures_speed_and_acceleration_are_those_of_the_outermost_points",
     ),
     Spoil(
         "steady-acceleration-forgotten",
@@ -107,7 +107,7 @@ SPOILS = (
         "kinematics.relative_motion",
         "return RelativeRates(speed, norm(steady) + varying.norm_bound, horizon, steady, varying)",
         "return RelativeRates(speed, varying.norm_bound, horizon, steady, varying)",
-        "test_lemmas.py::test_the_lectures_speed_and_acceleration_are_those_of_the_outermost_points",
+        "bounds/test_lemmas.py::test_the_lectures_speed_and_acceleration_are_those_of_the_outermost_points",
     ),
     Spoil(
         "the-second-speed-forgotten",
@@ -115,7 +115,7 @@ SPOILS = (
         "kinematics.relative_motion",
         "speed = norm(subtract(v_a, v_b)) + norm(w_a) * radius_a + norm(w_b) * radius_b",
         "speed = norm(subtract(v_a, v_b)) + norm(w_a) * radius_a",
-        "test_lemmas.py::test_the_lectures_speed_and_acceleration_are_those_of_the_outermost_points",
+        "bounds/test_lemmas.py::test_the_lectures_speed_and_acceleration_are_those_of_the_outermost_points",
     ),
     Spoil(
         "past-the-horizon",
@@ -123,7 +123,7 @@ SPOILS = (
         "kinematics.relative_motion",
         "if duration > self.horizon:",
         "if duration > 2.0 * self.horizon:",
-        "test_lemmas.py::test_no_two_points_get_farther_than_the_lecture_says",
+        "bounds/test_lemmas.py::test_no_two_points_get_farther_than_the_lecture_says",
     ),
     Spoil(
         "unknown-paths-that-stand-still",
@@ -131,7 +131,7 @@ SPOILS = (
         "kinematics.relative_motion",
         "return self.spread(t + duration) - self.spread(t) if self.unknown else 0.0",
         "return 0.0",
-        "test_lemmas.py::test_balls_of_unknown_paths_grow_by_what_their_limits_allow",
+        "bounds/test_lemmas.py::test_balls_of_unknown_paths_grow_by_what_their_limits_allow",
     ),
     Spoil(
         "displacement-for-path-length",
@@ -139,7 +139,7 @@ SPOILS = (
         "bounds.motion_bound",
         "path = min(motion.path_length(state, duration), straight)",
         "path = min(motion.displacement(state, duration), straight)",
-        "test_lemmas.py::test_what_swings_to_and_fro_is_not_proved_apart_by_where_it_ends",
+        "bounds/test_lemmas.py::test_what_swings_to_and_fro_is_not_proved_apart_by_where_it_ends",
     ),
     Spoil(
         "half-the-acceleration",
@@ -147,7 +147,7 @@ SPOILS = (
         "bounds.closed_form",
         "sqrt(2.0 * acceleration * clearance)",
         "sqrt(acceleration * clearance)",
-        "test_bounds.py::test_time_bound_is_the_root_of_the_quadratic",
+        "bounds/test_closed_form.py::test_time_bound_is_the_root_of_the_quadratic",
     ),
     Spoil(
         "half-the-path-length",
@@ -155,7 +155,7 @@ SPOILS = (
         "bounds.closed_form",
         "0.5 * (before + after - path_length)",
         "0.5 * (before + after - 0.5 * path_length)",
-        "test_bounds.py::test_two_sided_clearance_needs_arc_length_not_displacement",
+        "bounds/test_closed_form.py::test_two_sided_clearance_needs_arc_length_not_displacement",
     ),
     Spoil(
         "sleeps-to-the-last-bit",
@@ -163,7 +163,7 @@ SPOILS = (
         "geometry.rounding",
         "return max(0.0, duration * (1.0 - RELATIVE_ROUNDING) - ulp(abs(now) + duration))",
         "return duration",
-        "test_bounds.py::test_a_sleep_from_any_time_ends_before_the_bound_does",
+        "bounds/test_closed_form.py::test_a_sleep_from_any_time_ends_before_the_bound_does",
     ),
     Spoil(
         "triangle-slabs-close-half-as-fast",
@@ -171,7 +171,7 @@ SPOILS = (
         "bounds.triangle_slabs",
         "closings = approach[:, :, None] - retreat[:, None, :] + self._slack",
         "closings = 0.5 * (approach[:, :, None] - retreat[:, None, :]) + self._slack",
-        "test_lemmas.py::test_triangles_that_fly_at_each_other_close_their_slab_at_both_speeds",
+        "bounds/test_lemmas.py::test_triangles_that_fly_at_each_other_close_their_slab_at_both_speeds",
     ),
     Spoil(
         "triangle-slabs-without-bends",
@@ -179,7 +179,7 @@ SPOILS = (
         "bounds.triangle_slabs",
         "bends = np.maximum(0.0, directions @ self._steady + self._varying.supports(directions))",
         "bends = np.maximum(0.0, directions @ self._steady)",
-        "test_directional.py::test_a_steady_acceleration_closes_a_gap_by_its_part_across_it",
+        "bounds/test_triangle_slabs.py::test_a_steady_acceleration_closes_a_gap_by_its_part_across_it",
     ),
     Spoil(
         "triangles-out-of-reach",
@@ -187,7 +187,7 @@ SPOILS = (
         "narrow.triangle_pairs",
         "limit = reach * (1.0 + REACH_ROUNDING)",
         "limit = 0.9 * reach",
-        "test_narrow_phase.py::test_near_triangles_of_large_meshes_are_all_found",
+        "narrow/test_narrow_phase.py::test_near_triangles_of_large_meshes_are_all_found",
     ),
     Spoil(
         "reach-without-displacement",
@@ -195,7 +195,7 @@ SPOILS = (
         "pairs.pair",
         "reach = self.motion.displacement(state, near.horizon) * (1.0 + 1e-6) + beyond",
         "reach = 0.5 * self.motion.displacement(state, near.horizon) + beyond",
-        "test_lemmas_pairs.py::test_what_triangles_are_left_out_of_slabs_is_farther_away_than_the_bodies_get",
+        "bounds/test_lemmas_pairs.py::test_what_triangles_are_left_out_of_slabs_is_farther_away_than_the_bodies_get",
     ),
     Spoil(
         "body-slabs-without-bends",
@@ -203,7 +203,7 @@ SPOILS = (
         "bounds.body_slab",
         "bends = np.maximum(0.0, axes @ np.array(near_future.steady) + near_future.varying.supports(axes))",
         "bends = np.maximum(0.0, axes @ np.array(near_future.steady))",
-        "test_slab.py::test_an_acceleration_closes_it_by_its_part_across",
+        "bounds/test_body_slab.py::test_an_acceleration_closes_it_by_its_part_across",
     ),
     Spoil(
         "body-slabs-without-errors",
@@ -211,7 +211,7 @@ SPOILS = (
         "bounds.body_slab",
         "lost = error + SLAB_ROUNDING",
         "lost = SLAB_ROUNDING",
-        "test_lemmas.py::test_errors_of_measurement_are_taken_off_slabs",
+        "bounds/test_lemmas.py::test_errors_of_measurement_are_taken_off_slabs",
     ),
     Spoil(
         "ball-slabs-without-bends",
@@ -219,7 +219,7 @@ SPOILS = (
         "bounds.sphere_slabs",
         "return Gap(dot(way, apart) - self._lost, dot(way, closing) + self._slack, max(0.0, bend))",
         "return Gap(dot(way, apart) - self._lost, dot(way, closing) + self._slack, 0.0)",
-        "test_ball_slab.py::test_balls_stay_apart_while_the_slab_does",
+        "bounds/test_sphere_slabs.py::test_balls_stay_apart_while_the_slab_does",
     ),
     Spoil(
         "knots-crossed-for-nothing",
@@ -227,7 +227,7 @@ SPOILS = (
         "bounds.sphere_slabs",
         "kept = min(kept, slab.clearance(slab.horizon) - moved)",
         "kept = inf",
-        "test_ball_slab.py::test_the_clearance_of_slabs_that_follow_each_other_is_kept",
+        "bounds/test_sphere_slabs.py::test_the_clearance_of_slabs_that_follow_each_other_is_kept",
     ),
     Spoil(
         "overlaps-of-a-body-at-rest",
@@ -235,7 +235,7 @@ SPOILS = (
         "bounds.triangle_overlap",
         "+ (twists[1].at(near.other) @ onto).max(axis=1) + slack",
         "+ slack",
-        "test_overlap.py::test_triangles_on_random_motions_meet_as_long_as_is_said",
+        "bounds/test_triangle_overlap.py::test_triangles_on_random_motions_meet_as_long_as_is_said",
     ),
     Spoil(
         "overlaps-without-bends",
@@ -243,7 +243,7 @@ SPOILS = (
         "bounds.triangle_overlap",
         "bends = np.maximum(0.0, near_future.varying.supports(directions) - directions @ np.array(near_future.steady))",
         "bends = np.zeros(directions.shape[:2])",
-        "test_overlap.py::test_triangles_on_random_motions_meet_as_long_as_is_said",
+        "bounds/test_triangle_overlap.py::test_triangles_on_random_motions_meet_as_long_as_is_said",
     ),
     Spoil(
         "inner-balls-without-bends",
@@ -251,7 +251,7 @@ SPOILS = (
         "bounds.inscribed_spheres",
         "self._bend = near.acceleration",
         "self._bend = 0.0",
-        "test_inner_balls.py::test_balls_on_random_motions_meet_as_long_as_is_said",
+        "bounds/test_inscribed_spheres.py::test_balls_on_random_motions_meet_as_long_as_is_said",
     ),
     Spoil(
         "inner-balls-too-large",
@@ -259,7 +259,7 @@ SPOILS = (
         "narrow.narrow_phase",
         "return max(0.0, held - self.own_error(body))",
         "return 1.1 * held",
-        "test_inner_balls.py::test_the_radius_about_the_middle_is_that_of_closed_forms",
+        "bounds/test_inscribed_spheres.py::test_the_radius_about_the_middle_is_that_of_closed_forms",
     ),
     Spoil(
         "contact-depth-doubled",
@@ -267,7 +267,7 @@ SPOILS = (
         "pairs.contact",
         "self._while_deep(self._pair.depth(touching), touching, horizon)",
         "self._while_deep(2.0 * self._pair.depth(touching), touching, horizon)",
-        "test_lemmas_pairs.py::test_capsules_that_cross_at_their_ends_touch_until_they_have_gone_their_depth",
+        "bounds/test_lemmas_pairs.py::test_capsules_that_cross_at_their_ends_touch_until_they_have_gone_their_depth",
     ),
     Spoil(
         "rounded-depth-doubled",
@@ -275,7 +275,7 @@ SPOILS = (
         "narrow.narrow_phase",
         "deepest = max(deepest, rounding - self._cores(one, other).distance)",
         "deepest = max(deepest, 2.0 * (rounding - self._cores(one, other).distance))",
-        "test_lemmas_pairs.py::test_capsules_that_cross_at_their_ends_touch_until_they_have_gone_their_depth",
+        "bounds/test_lemmas_pairs.py::test_capsules_that_cross_at_their_ends_touch_until_they_have_gone_their_depth",
     ),
     Spoil(
         "corner-depth-doubled",
@@ -283,7 +283,7 @@ SPOILS = (
         "narrow.narrow_phase",
         "return self._timed(lambda: distance_from_point(corner, host))",
         "return 2.0 * self._timed(lambda: distance_from_point(corner, host))",
-        "test_lemmas_pairs.py::test_a_corner_inside_a_box_is_as_deep_as_the_nearest_face",
+        "bounds/test_lemmas_pairs.py::test_a_corner_inside_a_box_is_as_deep_as_the_nearest_face",
     ),
     Spoil(
         "containment-not-asked",
@@ -291,7 +291,7 @@ SPOILS = (
         "pairs.monitor",
         "if proof.clearance <= 0.0 or known.hidden:",
         "if known.hidden:",
-        "test_lemmas_pairs.py::test_what_is_shot_into_a_solid_between_two_steps_is_in_contact",
+        "bounds/test_lemmas_pairs.py::test_what_is_shot_into_a_solid_between_two_steps_is_in_contact",
     ),
     Spoil(
         "containment-not-asked-at-jumps",
@@ -299,7 +299,7 @@ SPOILS = (
         "pairs.monitor",
         "            measurement = self.pair.look_inside(measurement)\n        else:",
         "        else:",
-        "test_run.py::test_a_step_into_a_solid_is_seen_at_the_jump",
+        "pairs/test_run.py::test_a_step_into_a_solid_is_seen_at_the_jump",
     ),
     Spoil(
         "containment-not-asked-after-contact",
@@ -307,7 +307,7 @@ SPOILS = (
         "pairs.monitor",
         "return self.pair.look_inside(measurement), Finding(Verdict.CONTACT, depth_limit=nan)",
         "return measurement, Finding(Verdict.CONTACT, depth_limit=nan)",
-        "test_lemmas_pairs.py::test_what_is_shot_into_a_solid_between_two_steps_is_in_contact",
+        "bounds/test_lemmas_pairs.py::test_what_is_shot_into_a_solid_between_two_steps_is_in_contact",
     ),
     Spoil(
         "margins-forgotten",
@@ -315,7 +315,7 @@ SPOILS = (
         "pairs.monitor",
         "if (clear or hidden) and proof.clearance > known.margin:",
         "if (clear or hidden) and proof.clearance > 0.0:",
-        "test_margins.py::test_a_graze_of_the_margin_is_never_called_clear_nor_a_contact",
+        "pairs/test_margins.py::test_a_graze_of_the_margin_is_never_called_clear_nor_a_contact",
     ),
     Spoil(
         "errors-not-taken-off",
@@ -323,7 +323,7 @@ SPOILS = (
         "pairs.pair",
         "clearance = max(0.0, gap - self.error)",
         "clearance = max(0.0, gap)",
-        "test_lemmas_pairs.py::test_what_is_certified_of_a_distance_is_less_by_the_error",
+        "bounds/test_lemmas_pairs.py::test_what_is_certified_of_a_distance_is_less_by_the_error",
     ),
     Spoil(
         "errors-of-spheres-not-taken-off",
@@ -331,7 +331,7 @@ SPOILS = (
         "pairs.pair",
         "clearance = centres - self.motion.radii - self.motion.spread(t) - self.error",
         "clearance = centres - self.motion.radii - self.motion.spread(t)",
-        "test_lemmas_pairs.py::test_what_is_certified_of_a_distance_is_less_by_the_error",
+        "bounds/test_lemmas_pairs.py::test_what_is_certified_of_a_distance_is_less_by_the_error",
     ),
     Spoil(
         "least-distance-at-its-upper-end",
@@ -339,7 +339,7 @@ SPOILS = (
         "pairs.least_distance",
         "SeparationSleep(self._pair, measurement, threshold, self._tuning)",
         "SeparationSleep(self._pair, measurement, 0.5 * threshold, self._tuning)",
-        "test_minimum.py::test_the_bracket_of_a_gap_that_swings_is_tight",
+        "pairs/test_least_distance.py::test_the_bracket_of_a_gap_that_swings_is_tight",
     ),
     Spoil(
         "least-distance-across-jumps",
@@ -347,7 +347,7 @@ SPOILS = (
         "pairs.least_distance",
         "stop = min(end, self._pair.motion.stop_after(time))",
         "stop = end",
-        "test_lemmas_pairs.py::test_the_least_distance_is_sought_beyond_a_jump",
+        "bounds/test_lemmas_pairs.py::test_the_least_distance_is_sought_beyond_a_jump",
     ),
     Spoil(
         "windows-too-small",
@@ -355,7 +355,7 @@ SPOILS = (
         "broad.swept_body",
         "reach = (self._radius + self._grown(start) + moved)",
         "reach = (self._radius + self._grown(start))",
-        "test_broad_phase.py::test_the_windows_of_a_body_follow_one_another_and_hold_it",
+        "broad/test_broad_phase.py::test_the_windows_of_a_body_follow_one_another_and_hold_it",
     ),
     Spoil(
         "turned-windows-too-small",
@@ -363,7 +363,7 @@ SPOILS = (
         "broad.swept_body",
         "away = self._chain.displacement(whole, end - start) + RELATIVE_ROUNDING * self._radius",
         "away = 0.5 * self._chain.displacement(whole, end - start)",
-        "test_broad_phase.py::test_the_windows_of_a_body_follow_one_another_and_hold_it",
+        "broad/test_broad_phase.py::test_the_windows_of_a_body_follow_one_another_and_hold_it",
     ),
     Spoil(
         "discs-that-do-not-turn",
@@ -371,7 +371,7 @@ SPOILS = (
         "motions.acceleration_set",
         "along += radius * norm(cross(normal, axis))",
         "along += 0.0",
-        "test_lemmas.py::test_what_turns_about_an_axis_stays_in_what_is_said_to_hold_it",
+        "bounds/test_lemmas.py::test_what_turns_about_an_axis_stays_in_what_is_said_to_hold_it",
     ),
     Spoil(
         "loops-a-float-early",
@@ -379,7 +379,7 @@ SPOILS = (
         "motions.looped",
         "return nextafter(since, -inf) if rest < 0.0 else since",
         "return since",
-        "test_motions_looped.py::test_a_key_is_jumped_to_at_its_time_and_not_a_float_sooner",
+        "motions/test_looped.py::test_a_key_is_jumped_to_at_its_time_and_not_a_float_sooner",
     ),
     Spoil(
         "unknown-paths-that-do-not-speed-up",
@@ -387,7 +387,7 @@ SPOILS = (
         "motions.unknown_path",
         "0.5 * self.max_acceleration * rising * rising",
         "0.0",
-        "test_limits.py::test_the_reach_is_the_integral_of_the_fastest_speed",
+        "motions/test_unknown_path.py::test_the_reach_is_the_integral_of_the_fastest_speed",
     ),
 )
 
