@@ -1,7 +1,7 @@
 """Random scenes run through the tool, their logs held against the oracle by brute force.
 
 A failure names its seeds. By hand, from tests/: `python -m oracle SEED FOLDER` writes the scene of a seed, and
-`python -m oracle SCENE LOG` checks a log of it. The adversarial families are in certificate/test_adversarial_families.py.
+`python -m oracle SCENE LOG` checks a log of it. The adversarial families are in test_adversarial_families.py.
 """
 
 from __future__ import annotations

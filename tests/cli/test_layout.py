@@ -1,6 +1,7 @@
 """The house: imports run one way, the wheel holds the package and nothing else, and starting is cheap."""
 
 import ast
+import re
 import shutil
 import subprocess
 import sys
@@ -83,6 +84,9 @@ FLOORS = {
 }
 """The rooms and files of a folder from the ground up: what stands in one imports itself and those before it."""
 
+OTHER_TESTS = {"certificate", "helpers", "oracle", "spoilt", "studio"}
+"""Folders of tests/ that are no room of the code: tests of whole runs, and what tests are made with."""
+
 HEAVY_IN_SCHEDULER = {"trimesh", "mcap", "click", "pydantic", "yaml", "rich", "google"}
 
 
@@ -138,6 +142,36 @@ def test_one_module_imports_fcl_and_the_scheduler_knows_no_file_format():
 def test_the_application_knows_no_command_line():
     for path in sources("cli/application"):
         assert not {name.split(".")[0] for name in imported(path)} & {"click", "rich", "pytest"}
+
+
+def test_each_test_lies_in_the_room_of_the_code_that_it_tests():
+    rooms = {path.parent.name for path in (ROOT / "scheduler").glob("*/__init__.py")}
+    rooms |= {"cli", *(path.parent.name for path in (ROOT / "formats").glob("*/__init__.py"))}
+    tests = [path.relative_to(ROOT / "tests").parts for path in (ROOT / "tests").rglob("test_*.py")]
+    assert len(tests) > 100
+    assert {len(parts) for parts in tests} == {2}, "tests/ROOM/test_FILE.py"
+    assert {room for room, _ in tests} <= rooms | {"certificate"}
+    folders = {path.name for path in (ROOT / "tests").iterdir() if path.is_dir()} - {"__pycache__"}
+    assert folders <= rooms | OTHER_TESTS
+
+
+def test_no_test_imports_from_another_test():
+    for path in (ROOT / "tests").rglob("*.py"):
+        tests = [name for name in imported(path) if name.split(".")[-1].startswith("test_")]
+        assert not tests, f"{path} imports {tests}: let tests/helpers/ hold what they share"
+
+
+def test_every_python_file_that_the_docs_name_is_there():
+    """`test_cell.py` in docs/ci.md is the reader's own, FILE.py in docs/testing.md any file."""
+    there = [f"/{path.relative_to(ROOT).as_posix()}" for path in ROOT.rglob("*.py")]
+    named = {
+        (page.name, name)
+        for page in (ROOT / "README.md", *(ROOT / "docs").glob("*.md"))
+        for name in re.findall(r"`(?:[^`\n]* )?([\w./]+\.py)\b[^`\n]*`", page.read_text(encoding="utf-8"))
+    }
+    assert len(named) > 40
+    gone = {one for one in named if not any(path.endswith(f"/{one[1]}") for path in there)}
+    assert gone == {("ci.md", "test_cell.py"), ("testing.md", "FILE.py")}
 
 
 def test_every_package_folder_is_listed_and_mapped():

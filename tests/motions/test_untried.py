@@ -23,7 +23,7 @@ from oracle.paths import PATHS
 def motion_classes(package: ModuleType) -> set[type]:
     """Return the classes of a package's modules that are motions, wherever they stand; Fixed and Limits apart.
 
-    Nothing of the one is rounded, of the other no pose is known: tests/motions/test_unknown_path.py tries what is said of it.
+    Nothing of the one is rounded, of the other no pose is known: test_unknown_path.py tries what is said of it.
     """
     found: set[type] = set()
     for module in pkgutil.iter_modules(package.__path__, f"{package.__name__}."):
@@ -39,7 +39,7 @@ def test_the_rounding_of_each_class_of_motions_is_tried() -> None:
 
 
 def test_bounds_are_tried_with_each_class_of_motions_and_all_that_it_can_be() -> None:
-    """By tests/helpers/drawn_motions.py, which the tests of displacements, lengths, rates, slabs and so on draw from."""
+    """By helpers/drawn_motions.py, which the tests of displacements, lengths, rates, slabs and so on draw from."""
     rng = np.random.default_rng(1)
     drawn = [kind(rng) for kind in KINDS for _ in range(10)]
     assert motion_classes(motions) == {type(motion) for motion in drawn}, "let tests/helpers/drawn_motions.py draw each"
