@@ -10,6 +10,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from floors import FLOORS
 from places import ROOT
 
 MAY_IMPORT = {
@@ -17,73 +18,6 @@ MAY_IMPORT = {
     "formats": {"scheduler", "formats"},
     "cli": {"scheduler", "formats", "cli"},
 }
-FLOORS = {
-    "scheduler": (
-        "geometry",
-        "motions",
-        "model",
-        "solids",
-        "kinematics",
-        "narrow",
-        "bounds",
-        "pairs",
-        "broad",
-        "queue",
-        "run",
-        "snapshots",
-        "parallel",
-    ),
-    "formats/scene": (
-        "limits",
-        "text",
-        "grammar",
-        "schema",
-        "loaded",
-        "quantities",
-        "mesh_files",
-        "trajectory_files",
-        "build",
-        "reader",
-    ),
-    "formats/log": (
-        "message_filter",
-        "messages_pb2",
-        "errors",
-        "container",
-        "messages",
-        "reader",
-        "tables",
-        "bracket",
-        "summary",
-        "doubts",
-        "severity",
-        "viewer",
-        "carried",
-        "result",
-        "writer",
-        "extract",
-        "filters",
-        "diff",
-    ),
-    "cli/application": ("errors", "options", "rate", "scenes", "workers", "sharing", "watcher", "run"),
-    "cli": (
-        "application",
-        "terminal",
-        "options",
-        "faults",
-        "group",
-        "main",
-        "progress",
-        "show",
-        "show_diff",
-        "understood",
-        "batch",
-        "commands",
-        "pytest_plugin",
-    ),
-}
-"""The rooms and files of a folder from the ground up: what stands in one imports itself and those before it."""
-
 OTHER_TESTS = {"certificate", "helpers", "oracle", "spoilt", "studio"}
 """Folders of tests/ that are no room of the code: tests of whole runs, and what tests are made with."""
 

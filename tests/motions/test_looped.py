@@ -171,5 +171,5 @@ def test_a_billion_loops_cost_no_more_than_one_and_saturate():
 def test_a_period_that_floats_cannot_resolve_is_refused():
     motion = Looped(keys_at([0, 1e-9, 2e-9], [0, 1, 0]), True, True)
     assert motion.rounding_scale((-1.0, 1.0), 1.0) > 0
-    with pytest.raises(ValueError, match="cannot be told apart"):
+    with pytest.raises(ValueError, match="cannot be distinguished"):
         motion.rounding_scale((0.0, 1e9), 1.0)
