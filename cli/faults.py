@@ -1,4 +1,4 @@
-"""Faults become lines on stderr and exit codes; a traceback is always a bug."""
+"""Turn faults into lines on stderr and exit codes. A traceback is always a bug."""
 
 from __future__ import annotations
 
@@ -27,17 +27,17 @@ WITH_LOSS = 3
 
 
 class Terminated(BaseException):
-    """SIGTERM came."""
+    """The process received SIGTERM."""
 
 
 def end_at_interrupts() -> None:
-    """Have Ctrl-C end the process at once: while it starts nothing is written, and imports of libraries swallow it."""
+    """Let Ctrl-C end the process at once: start-up writes nothing, and library imports can swallow Ctrl-C."""
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, _end)
 
 
 def raise_interrupts() -> None:
-    """Have Ctrl-C raise KeyboardInterrupt again, so that what is under way is left in order."""
+    """Let Ctrl-C raise KeyboardInterrupt again, so that commands can clean up."""
     if signal.getsignal(signal.SIGINT) is _end:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
@@ -49,10 +49,10 @@ def _end(number: int, frame: FrameType | None) -> NoReturn:
 
 @contextmanager
 def faults_reported(output: Path | None = None) -> Iterator[None]:
-    """Report what the user can mend, a line each, and exit 2; 3 for a log beyond reading; 130 or 143 if interrupted.
+    """Print one line per fault and exit with 2; 3 for an unreadable log; 130 or 143 after an interrupt.
 
     Args:
-        output: the log under way, whose partial file an interrupted user is told of.
+        output: the log that the command writes; after an interrupt a line names its partial file.
     """
     from ..formats.log.container.pipe import ClosedPipeError
     from ..formats.log.errors import DamagedLogError, LogError
@@ -78,7 +78,7 @@ def faults_reported(output: Path | None = None) -> Iterator[None]:
 
 
 def exit_code_of(*losses: Loss | None, otherwise: int = 0) -> int:
-    """Tell on stderr what could not be read of logs, a line each; return the exit code."""
+    """Print one line per log that could not be read completely; return the exit code."""
     lost = [loss for loss in losses if loss is not None]
     for loss in lost:
         say(str(loss), to_stderr=True)
@@ -86,7 +86,7 @@ def exit_code_of(*losses: Loss | None, otherwise: int = 0) -> int:
 
 
 def report(fault: Exception, output: Path | None) -> None:
-    """Print a fault on stderr, a line each where there are several, and where the log is that it cut short."""
+    """Print each fault as one line on stderr; for an interrupted log, add where the partial log is."""
     from ..formats.log.errors import LogError
     from ..formats.scene.text.errors import SceneError
 
@@ -99,7 +99,7 @@ def report(fault: Exception, output: Path | None) -> None:
 
 
 def report_misuse(error: click.ClickException) -> None:
-    """Print what is wrong with a command line, as click words it, on stderr."""
+    """Print click's text about a wrong command line on stderr."""
     words = StringIO()
     error.show(words)
     for line in words.getvalue().rstrip("\n").split("\n"):
@@ -107,15 +107,15 @@ def report_misuse(error: click.ClickException) -> None:
 
 
 def _terminate(number: int, frame: FrameType | None) -> NoReturn:
-    """Turn SIGTERM into an exception, so that the log is left in order."""
+    """Turn SIGTERM into an exception, so that the command can clean up."""
     raise Terminated
 
 
 def _how_to_recover(output: Path | None) -> str:
-    """Return where the log so far is, if there is one."""
+    """Return where the partial log is, if it exists."""
     partial = Path(f"{output}.partial")
-    if output is None or not os.path.exists(partial):  # of which Path makes an error where a name is too long
+    if output is None or not os.path.exists(partial):  # Path.exists raises an error for a name that is too long
         return ""
     named = quote(str(partial))
-    mended = f"the MCAP command line tool mends it: mcap recover {named} -o recovered.mcap"
-    return f"; the log so far is in {partial}: closecall summary {named} tells it; {mended}"
+    mended = f"repair it with the MCAP tool: mcap recover {named} -o recovered.mcap"
+    return f"; the partial log is {partial}: print it with closecall summary {named}; {mended}"

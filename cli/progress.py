@@ -57,9 +57,9 @@ class Names(NamedTuple):
     picturing: str
 
 
-HERE = Names("certifying", "seeking least distances", "taking pictures")
+HERE = Names("certifying", "searching minimum distances", "taking snapshots")
 """Of a run in this process."""
-TOLD = Names("writing wakeups", "writing least distances", "writing pictures")
+TOLD = Names("writing wakeups", "writing minimum distances", "writing snapshots")
 """Of what workers told of it."""
 
 

@@ -1,4 +1,4 @@
-"""How often a run takes snapshots for viewers: so that a short one shows curves, and a long one ends."""
+"""The rate of snapshots for viewers: high enough for curves in short runs, and bounded in long runs."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ def snapshot_rate(seconds: float, asked: float | None) -> float:
     if asked is None:
         return min(max(USUAL_RATE, LEAST_SNAPSHOTS / seconds), MOST_SNAPSHOTS / seconds)
     if asked * seconds > MOST_ASKED:
-        problem = f"{asked:g} Hz over {seconds:g} s asks for {asked * seconds:,.0f} snapshots"
-        remedy = f"at most {MOST_ASKED:,} are taken: {MOST_ASKED / seconds:.3g} Hz"
+        problem = f"{asked:g} Hz over {seconds:g} s would take {asked * seconds:,.0f} snapshots"
+        remedy = f"the limit is {MOST_ASKED:,}, which is {MOST_ASKED / seconds:.3g} Hz"
         raise OptionError("rate", f"{problem}; {remedy}")
     return asked
 
 
 def thinned(seconds: float, asked: float | None) -> str | None:
-    """Return what is said of a run so long that snapshots are taken less often than usual; None of others."""
+    """Return a note about a long run with fewer snapshots per second than usual; None for other runs."""
     rate = snapshot_rate(seconds, asked)
     if asked is not None or rate >= USUAL_RATE:
         return None
-    return f"snapshots every {1.0 / rate:.3g} s, {MOST_SNAPSHOTS:,} in all, for a run of {seconds:g} s; see --rate"
+    return f"the run of {seconds:g} s takes a snapshot every {1.0 / rate:.3g} s, {MOST_SNAPSHOTS:,} in all; see --rate"

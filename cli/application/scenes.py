@@ -38,7 +38,7 @@ def counted_pairs(loaded: LoadedScene, strict: bool) -> tuple[LoadedScene, int]:
     """
     pairs = count_pairs(loaded.scene).checked
     if not pairs:
-        nothing = "nothing to check: no two bodies that may be checked move relative to each other"
+        nothing = "nothing to check: no two checked bodies move relative to each other"
         loaded = replace(loaded, warnings=(*loaded.warnings, str(whole_file(loaded.path, nothing))))
     if strict and loaded.warnings:
         raise WarnedError(loaded.warnings)

@@ -96,7 +96,7 @@ def _pictures(
     for told in team.results(pictures, calls):
         taken.append(_kept(told.packed))
         fcl += told.fcl
-        done("taking pictures", len(taken), len(calls))
+        done("taking snapshots", len(taken), len(calls))
     ticks, occasions = taken[: len(kinds[0])], taken[len(kinds[0]) :]
     return Taken(*(chain.from_iterable(map(unpacked_stream, kind)) for kind in (ticks, occasions))), fcl
 
@@ -114,6 +114,6 @@ def _kept(told: bytes) -> IO[bytes]:
         file.write(told)
         file.seek(0)
     except OSError as error:
-        problem = f"cannot keep what the workers tell in {gettempdir()}: {error.strerror}"
+        problem = f"cannot store the events of the workers in {gettempdir()}: {error.strerror}"
         raise WorkerError(problem, "free space there, or name another folder in TMPDIR") from error
     return file

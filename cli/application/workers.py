@@ -91,8 +91,8 @@ def _processes(jobs: int) -> Iterator[Team]:
         yield Team(executor, jobs)
     except BrokenProcessPool as error:
         executor.shutdown(kill_workers=True)
-        problem = "a worker process died: it was killed, or ran out of memory"
-        raise WorkerError(problem, "nothing was written; run again, with fewer --jobs if memory is short") from error
+        problem = "a worker process died (killed, or out of memory)"
+        raise WorkerError(problem, "no log was written; run again, with fewer --jobs if memory is short") from error
     except BaseException:
         executor.shutdown(kill_workers=True)
         raise
@@ -122,16 +122,16 @@ def _cluster(address: str) -> Iterator[Team]:
         resolve_address(address)
         client: Any = Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError) as error:
-        problem = f"--cluster {address}: no Dask scheduler answers there"
-        raise WorkerError(problem, "start one with `dask scheduler`, and name the address that it prints") from error
-    lost = f"--cluster {address}: its workers, or its scheduler, were lost"
+        problem = f"--cluster {address}: no Dask scheduler answers at this address"
+        raise WorkerError(problem, "start one with `dask scheduler` and give the address that it prints") from error
+    lost = f"--cluster {address}: the workers or the scheduler were lost"
     disabled = logging.root.manager.disable
     logging.disable()  # what matters is raised
     try:
         with client:
             executor = client.get_executor(pure=False)
             try:
-                _require_workers(client, f"--cluster {address}: it has no workers")
+                _require_workers(client, f"--cluster {address}: the scheduler has no workers")
                 _require_versions(client, address)
                 size = sum(client.nthreads().values())
                 sent = partial(client.scatter, broadcast=True)
@@ -139,7 +139,7 @@ def _cluster(address: str) -> Iterator[Team]:
             finally:
                 executor.shutdown(wait=False)
     except (KilledWorker, CancelledError, OSError) as error:
-        raise WorkerError(lost, "nothing was written; see their logs, and run again") from error
+        raise WorkerError(lost, "no log was written; check their logs and run again") from error
     finally:
         logging.disable(disabled)
 
@@ -155,7 +155,7 @@ def _require_workers(client: Any, problem: str) -> None:
     try:
         client.wait_for_workers(1, timeout=PATIENCE)
     except TimeoutError as error:
-        raise WorkerError(problem, "start some with `dask worker ADDRESS`") from error
+        raise WorkerError(problem, "start workers with `dask worker ADDRESS`") from error
 
 
 def _require_versions(client: Any, address: str) -> None:
@@ -168,7 +168,7 @@ def _require_versions(client: Any, address: str) -> None:
     try:
         others = client.run(versions)
     except ImportError as error:
-        raise WorkerError(f"--cluster {address}: its workers lack closecall", f"install {here} there") from error
+        raise WorkerError(f"--cluster {address}: the workers do not have closecall", f"install {here} there") from error
     for worker, there in others.items():
         if there != here:
             raise WorkerError(f"--cluster {address}: worker {worker} has {there}", f"install {here} there")

@@ -1,4 +1,4 @@
-"""The least distance of a pair in the summary: whether it is known as well as promised, and why not."""
+"""The bracket of a pair's minimum distance: whether it is tight, and why not."""
 
 from __future__ import annotations
 
@@ -8,22 +8,25 @@ from typing import NamedTuple, TypedDict
 from ...scheduler.pairs.least_distance import ERRORS, LEAST_TOLERANCE
 from ..scene.quantities.lengths import length_text
 
-#: Why a least distance has no upper end, in words.
+#: Reasons for a minimum distance without an upper end.
 OPEN = {
-    "far": "cleared from afar, never measured",
-    "unknown path": "the path of one of them is unknown",
+    "far": "the pair is cleared at a distance and never measured",
+    "unknown path": "the path of a body is unknown",
 }
 
-#: Why a bracket is wider than promised, in words, and what would help.
+#: Reasons for a wide bracket, and remedies.
 WIDE = {
-    "unresolved": ("it is unresolved whether they touch", "try a finer --time-resolution"),
-    "not sought": ("the run was not to look for it", "give --distance-tolerance a share"),
+    "unresolved": ("the pair is unresolved", "try a finer --time-resolution"),
+    "not sought": ("the run did not search for it", "give a fraction with --distance-tolerance"),
     "error": (
-        "distances between the two are no better known",
-        "place them nearer to the frame that they share, or time nearer to 0 (t0)",
+        "rounding errors limit the measured distances",
+        "place the bodies closer to their common frame, or times closer to 0 (t0)",
     ),
-    "polyhedra": ("round shapes are measured as polyhedra around them", "use spheres and capsules, which are exact"),
-    "search": ("more measurements are needed than a pair may take", "run shorter times, or raise --distance-tolerance"),
+    "polyhedra": ("round shapes are measured as polyhedra", "use spheres and capsules, which are exact"),
+    "search": (
+        "the search needs more measurements than a pair may take",
+        "run a shorter time, or raise --distance-tolerance",
+    ),
 }
 
 _ROUNDING = 1.0 + 1e-9
@@ -96,13 +99,13 @@ class Least(NamedTuple):
 
 
 def why_wide(distance: DistanceRange) -> str | None:
-    """Return why a least distance is known less well than promised, and what would help; None where it is not.
+    """Return the reason for a wide bracket and a remedy; None for other brackets.
 
     Summaries of older logs do not say.
     """
     if distance.get("bracket") != "wide":
         return None
-    words, remedy = WIDE.get(distance["why"] or "", ("nobody knows why", "run it again"))
+    words, remedy = WIDE.get(distance["why"] or "", ("the reason is unknown", "run the scene again"))
     return f"{words}; {remedy}"
 
 

@@ -32,7 +32,7 @@ def as_summary(data: bytes) -> Summary:
     try:
         value = json.loads(data, parse_constant=_refuse_constant)
     except RecursionError as error:
-        raise SummaryError("it is nested too deep") from error
+        raise SummaryError("it is nested too deeply") from error
     except ValueError as error:
         raise SummaryError("it is not JSON") from error
     _require(value, Summary, "it")
@@ -54,7 +54,7 @@ def require_same_run(summary: Summary, identity: Identity) -> None:
     """
     told = summary["time"], summary["pairs_total"]
     if told != ([identity.start, identity.end], identity.pairs_total):
-        raise SummaryError("it is of another time, or of other pairs, than the log")
+        raise SummaryError("its time or its number of pairs differs from the log")
 
 
 def _require_pair(pair: PairSummary, where: str) -> None:
@@ -65,7 +65,7 @@ def _require_pair(pair: PairSummary, where: str) -> None:
     distance = pair["distance"]
     lengths = pair["margin"], pair["chord_error"], distance["lower"], distance["upper"] or 0.0
     if min(lengths) < 0.0 or (distance["upper"] is None) is not (distance["time"] is None):
-        raise SummaryError(f"{where} has a length that is none")
+        raise SummaryError(f"{where} has an impossible length")
     for spans in (pair["breaches"], pair["unresolved"], pair["possible"]):
         for span in spans:
             _interval(span, where)
@@ -78,12 +78,12 @@ def _require_contact(contact: Contact, where: str) -> None:
     if contact["end"] is not None:
         _interval(contact["end"], where)
     if any(len(keys) != 2 for keys in contact["keys"].values()):
-        raise SummaryError(f"{where} has a contact between keys that are not two")
+        raise SummaryError(f"{where} has a contact that is not between two keys")
 
 
 def _interval(value: list[float], where: str) -> None:
     if len(value) != 2 or not value[0] <= value[1]:
-        raise SummaryError(f"{where} has an interval that is none: {quoted(str(value))}")
+        raise SummaryError(f"{where} has an impossible interval: {quoted(str(value))}")
 
 
 def _require(value: Any, kind: Any, where: str) -> None:

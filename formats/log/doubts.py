@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from ...scheduler.pairs.least_distance import LEAST_TOLERANCE
 from ..scene.quantities.lengths import length_text
+from ..scene.text.errors import counted
 from .bracket import WIDE
 from .summary import PairSummary
 
@@ -16,7 +17,7 @@ def doubts(pairs: Sequence[PairSummary], unit: str = "m") -> tuple[str, ...]:
     if not doubted:
         return ()
     worst = max(doubted, key=lambda pair: pair["error"])
-    more = f", those of {len(doubted) - 1} more by less" if len(doubted) > 1 else ""
+    more = f"; {counted(len(doubted) - 1, 'more pair')} may have a smaller error" if len(doubted) > 1 else ""
     name = worst["pair"].replace("|", " | ")
     return (f"distances of {name} may be wrong by {length_text(worst['error'], unit, 2)}{more}; {WIDE['error'][1]}",)
 

@@ -44,7 +44,7 @@ def require_pairs(log: Path, patterns: Collection[str], found: Found, option: st
         bodies = bodies_of_windows(log)
         missing = [pattern for pattern in missing if not _among_bodies(pattern, bodies)]
     if missing:
-        raise LogError(log, f"{option} {quoted(missing[0])} matches no pair", _nearest(missing[0], pairs))
+        raise LogError(log, f"{option} {quoted(missing[0])} matches no pairs", _nearest(missing[0], pairs))
 
 
 def require_topics(log: Path, patterns: Iterable[str], option: str = "--topic") -> None:
@@ -57,7 +57,7 @@ def require_topics(log: Path, patterns: Iterable[str], option: str = "--topic") 
         forms = (pattern, pattern.rpartition(".")[0])
         if not any(fnmatchcase(topic, form) for topic in TOPICS for form in forms):
             near = get_close_matches(forms[-1] or pattern, TOPICS, _MOST_NAMED, _LIKENESS) or TOPICS
-            raise LogError(log, f"{option} {quoted(pattern)} matches no topic", f"there are {', '.join(near)}")
+            raise LogError(log, f"{option} {quoted(pattern)} matches no topics", f"choose from {', '.join(near)}")
 
 
 def bodies_of_windows(log: Path) -> set[str]:
@@ -83,6 +83,6 @@ def _nearest(pattern: str, pairs: Collection[str]) -> str:
         near = [names[name] for name in get_close_matches(bar_closed(pattern), names, len(names), _LIKENESS)]
     found = list(dict.fromkeys(near)) or list(dict.fromkeys(names.values()))
     if not found:
-        return "it has no pairs"
+        return "the log lists no pairs"
     more = f" and {len(found) - _MOST_NAMED} more" if not near and len(found) > _MOST_NAMED else ""
-    return f"{'the nearest' if near else 'there are'}: {', '.join(map(quoted, found[:_MOST_NAMED]))}{more}"
+    return f"{'similar names' if near else 'choose from'}: {', '.join(map(quoted, found[:_MOST_NAMED]))}{more}"

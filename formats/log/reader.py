@@ -47,15 +47,15 @@ _OF_THE_RUN = (METADATA_AT_START, METADATA)
 
 @dataclass(frozen=True, slots=True)
 class Loss:
-    """What of a log could not be read.
+    """The places of a log that cannot be read.
 
     Attributes:
         offset: byte of the first place.
         problem: what is wrong there.
-        cut: whether the file merely ends too soon.
+        cut: whether the file only ends too early.
         places: how many places there are.
-        read_to: s, the latest fact that was read before reading had to end; None where the rest was read.
-        inherited: whether all of the file was read, but the log it is a part of had lost this already.
+        read_to: s, the time of the last fact before reading stopped; None if the rest of the file was read.
+        inherited: whether the file is whole, but was extracted from a log with this loss.
     """
 
     path: Path
@@ -71,24 +71,24 @@ class Loss:
 
     @property
     def told(self) -> str:
-        """The same without the file's name, which it does not keep."""
+        """The text without the name of the file."""
         if self.inherited:
             return self.problem
         what = "unfinished" if self.cut else "damaged"
         more = f" (and {counted(self.places - 1, 'more place')})" if self.places > 1 else ""
-        rest = "the rest was read" if self.read_to is None else f"read up to {seconds_told(self.read_to, 7)} s"
+        rest = "the rest is readable" if self.read_to is None else f"read up to {seconds_told(self.read_to, 7)} s"
         return f"{what} at byte {self.offset}: {self.problem}{more}; {rest}"
 
 
 class LogReader:
     """Reads a log, as a context manager; memory holds one chunk at a time.
 
-    A chunk that is damaged is passed over, and reading ends where the records do: `loss` says so afterwards.
+    The reader skips damaged chunks and stops where no record follows; `loss` then describes the damage.
 
     Attributes:
         path: of the log.
-        identity: what the log says of its run.
-        values: the same, as the log has it.
+        identity: the metadata of the run.
+        values: the same as text, as in the log.
 
     Raises:
         LogError: for a file that is missing, or not a log of closecall.
@@ -207,7 +207,7 @@ class LogReader:
                         if not names or self._attachment_name(record) in names:
                             yield read_attachment_record(self._records.body(record))
                     except DAMAGE:
-                        self.doubt("a file that travels with it is damaged")
+                        self.doubt("an attached file is damaged")
         except DamageError as error:
             self._add_fault(error)
 
@@ -224,19 +224,19 @@ class LogReader:
                     try:
                         metadata = self._metadata(record)
                     except DAMAGE:
-                        problem = f"byte {record.offset}: what it says of its run cannot be read"
+                        problem = f"byte {record.offset}: the metadata of the run cannot be read"
                         continue
                     if metadata.name in _OF_THE_RUN:
                         try:
                             self.values = dict(metadata.metadata)
                             return read_identity(self.values)
                         except ValueError as error:
-                            problem = f"byte {record.offset}: what it says of its run cannot be: {error}"
+                            problem = f"byte {record.offset}: the metadata of the run is impossible: {error}"
         except DamageError as error:
             problem = problem or str(error)
         if problem:
-            raise DamagedLogError(self.path, f"nothing can be read of it: {problem}", "run it again")
-        raise LogError(self.path, "is an MCAP file, but says nothing of a run of closecall", NAME_A_LOG)
+            raise DamagedLogError(self.path, f"cannot be read: {problem}", "run it again")
+        raise LogError(self.path, "is an MCAP file, but has no metadata of a closecall run", NAME_A_LOG)
 
     def _data(self) -> Iterator[tuple[Record, bytes]]:
         """Yield the records that hold messages or tell of them; check all others, and the end."""
@@ -279,13 +279,13 @@ class LogReader:
             try:
                 same = read_identity(metadata.metadata) == self.identity
             except ValueError as error:
-                self.doubt(f"what it says of its run cannot be: {error}")
+                self.doubt(f"the metadata of the run is impossible: {error}")
                 return
             if not same:
-                self.doubt("what it says of its run at its start and at its end are not the same")
+                self.doubt("the metadata of the run at its start and at its end differ")
         lost = metadata.metadata.get(LOST)
         if lost is not None:
-            told = f"part of a log that was {lost}"
+            told = f"extracted from a log that was {lost}"
             self._inherited = Loss(self.path, record.offset, told, cut=False, places=1, read_to=None, inherited=True)
 
     def _check_end(self, data_end: Record, crc: int) -> None:
@@ -306,10 +306,10 @@ class LogReader:
             offset += RECORD_HEAD.size
             end = offset + length
             if end > size:
-                raise ValueError("a message ends outside its chunk")
+                raise ValueError("a message extends beyond its chunk")
             if opcode == Opcode.MESSAGE:
                 if length < _MESSAGE_HEAD.size:
-                    raise ValueError("a message is shorter than its head")
+                    raise ValueError("a message is shorter than its header")
                 channel, _, log_time, _ = _MESSAGE_HEAD.unpack_from(data, offset)
                 if log_time > self._latest:
                     self._latest = log_time
@@ -334,4 +334,4 @@ class LogReader:
         for told in index.channels.values():
             self._sources.add_channel(told)
         if channel not in index.channels:
-            raise ValueError("a message is of a topic that is told nowhere")
+            raise ValueError("a message has an unknown channel")

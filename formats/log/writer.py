@@ -183,7 +183,7 @@ class LogWriter:
                 if event.verdict is Verdict.BREACH:
                     between = f"from {event.start!r} s to {event.end!r} s"
                     pair = self._filler.pair_name(event.pair)
-                    self._tell(Log.WARNING, f"{pair}: nearer than its margin {between}", event.time)
+                    self._tell(Log.WARNING, f"{pair}: closer than the margin {between}", event.time)
             case Window():
                 self._filler.fill_window(self._windows.message, event)
                 self._add(self._windows, event.time)
@@ -207,7 +207,7 @@ class LogWriter:
         path = self._output.path
         if self._start < 0:
             least = self._options.epoch - self._start
-            raise LogError(path, "log times would begin before 0", f"give an --epoch of at least {least}")
+            raise LogError(path, "log times would start before 0", f"give an --epoch of at least {least}")
         if self._end > LATEST_LOG_TIME_NS:
             most = self._options.epoch - (self._end - LATEST_LOG_TIME_NS)
             raise LogError(path, "log times would pass 2^63 ns", f"give an --epoch of at most {most}")
@@ -215,7 +215,7 @@ class LogWriter:
     def _require_topics(self) -> None:
         bodies = len(self._loaded.scene.bodies)
         if self._options.topics is Topics.BODY and bodies > _MOST_BODY_TOPICS:
-            problem = f"a log holds no topic for each of {bodies} bodies"
+            problem = f"a log cannot hold one topic for each of {bodies} bodies"
             raise LogError(self._output.path, problem, "run with --topics single")
 
     @contextmanager

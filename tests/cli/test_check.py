@@ -354,7 +354,7 @@ def test_nothing_to_check_is_a_warning_and_under_strict_a_fault(run, folder: Pat
     (folder / "s.yaml").write_text(CELL.split("settings")[0] + "bodies: {a: {shapes: [{sphere: 1}]}, b: {}}\n")
     done = run("check", "s.yaml")
     assert done.code == 0
-    nothing = "nothing to check: no two bodies that may be checked move relative to each other"
+    nothing = "nothing to check: no two checked bodies move relative to each other"
     assert done.err == f"warning: s.yaml:1:1: scene: {nothing}\n"
     strict = run("check", "s.yaml", "--strict")
     assert (strict.code, strict.err) == (2, f"s.yaml:1:1: scene: {nothing} (a warning, refused under --strict)\n")

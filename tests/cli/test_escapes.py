@@ -89,7 +89,9 @@ def test_names_steer_no_terminal(folder):
     assert EVIL_SEEN in said(folder, "summary", "evil.mcap")
     assert EVIL_SEEN in said(folder, "diff", "evil.mcap", new, code=1)
     assert EVIL_SEEN in said(folder, "diff", "evil.mcap", new, "--all", "--limit", "30", code=1)
-    assert "matches no pair" in said(folder, "diff", new, new, "--ignore", EVIL.replace("\x00", "") + "|nobody", code=2)
+    assert "matches no pairs" in said(
+        folder, "diff", new, new, "--ignore", EVIL.replace("\x00", "") + "|nobody", code=2
+    )
     assert "MB" in said(folder, "report", new, "-o", f"{new}.html")
     assert "rows" in said(folder, "export", new, "-o", new + "tables")
     assert "messages" in said(folder, "extract", new, "--to", "1", "-o", "part" + new)

@@ -39,7 +39,7 @@ def test_a_signal_ends_the_run_in_a_line_that_says_where_the_partial_is(scene, t
     assert told.count("\n") == 1
     assert "out.mcap.partial" in told
     assert not (tmp_path / "out.mcap").exists()
-    (hint,) = re.findall(r"closecall (summary \S+)", told)
+    (hint,) = re.findall(r"closecall (summary \S+);", told)
     done = closecall(*hint.split(), cwd=tmp_path)
     assert done.returncode == 3
     assert "28 pairs" in done.stdout

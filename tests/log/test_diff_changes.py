@@ -253,12 +253,12 @@ def test_a_reviewer_hears_of_what_matters_and_of_nothing_else(name: str, golden:
 @pytest.mark.parametrize(
     ("make", "problem"),
     [
-        (put("end: 2", "end: 1.9"), "covers \\[0, 1.9\\] s, and the golden log \\[0, 2\\] s"),
+        (put("end: 2", "end: 1.9"), "covers \\[0, 1.9\\] s, but the golden log covers \\[0, 2\\] s"),
         (
             scene(renamed()),
             "no pair in common",
         ),
-        (log(metadata=lambda name, values: None), "says nothing of a run"),
+        (log(metadata=lambda name, values: None), "has no metadata of a closecall run"),
         (lambda golden, new: new.write_text("no log"), "is not an MCAP file"),
         (lambda golden, new: None, "does not exist"),
     ],
@@ -303,7 +303,7 @@ def test_a_reviewer_is_told_what_is_no_difference(golden, tmp_path):
     notes = compare(golden, tmp_path / "new.mcap", rules).notes
     assert notes == (
         "setting time_resolution: 0.001 -> 0.01",
-        "body rail is gone and guide is new: renamed?",
+        "body rail is missing and guide is new: was it renamed?",
     )
 
 

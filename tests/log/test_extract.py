@@ -113,7 +113,7 @@ def test_a_part_of_a_cut_log_is_never_told_as_whole(log, tmp_path, choice):
     for source, target in (("cut.mcap", "part.mcap"), ("part.mcap", "again.mcap")):
         extract = ["extract", source, "--from", "0", *choice, "-o", target]
         assert closecall_inside(*extract, cwd=tmp_path).returncode == 3
-        lost = f"part of a log that was {lost}"
+        lost = f"extracted from a log that was {lost}"
         for command in (["summary", target, "--json"], ["diff", target, target], ["export", target, "-o", "tables"]):
             done = closecall_inside(*command, cwd=tmp_path)
             assert done.returncode == 3

@@ -36,19 +36,22 @@ def test_a_name_with_blanks_at_its_end_is_still_matched() -> None:
 @pytest.mark.parametrize(
     ("arguments", "problem"),
     [
-        (["summary", "--pair", "arm|wal"], "--pair 'arm|wal' matches no pair; the nearest: 'arm|wall', 'arm|"),
-        (["summary", "--pair", "wal | arm"], "--pair 'wal | arm' matches no pair; the nearest: 'arm|wall'"),
+        (["summary", "--pair", "arm|wal"], "--pair 'arm|wal' matches no pairs; similar names: 'arm|wall', 'arm|"),
+        (["summary", "--pair", "wal | arm"], "--pair 'wal | arm' matches no pairs; similar names: 'arm|wall'"),
         (
             ["summary", "--json", "--pair", "arm", "--pair", "coverr"],
-            "--pair 'coverr' matches no pair; the nearest: 'cover'",
+            "--pair 'coverr' matches no pairs; similar names: 'cover'",
         ),
-        (["summary", "--pair", "q?"], "--pair 'q?' matches no pair; there are: 'arm', 'wall', 'rail' and 3 more"),
-        (["export", "--topic", "/spans", "--pair", "balll"], "--pair 'balll' matches no pair; the nearest: 'ball'"),
-        (["export", "-o", "tables", "--pair", "balll"], "--pair 'balll' matches no pair; the nearest: 'ball'"),
-        (["extract", "-o", "part.mcap", "--pair", "balll"], "--pair 'balll' matches no pair; the nearest: 'ball'"),
-        (["extract", "-o", "part.mcap", "--topic", "/span"], "--topic '/span' matches no topic; there are /spans"),
-        (["diff", "OUT", "--ignore", "cable*"], "--ignore 'cable*' matches no pair; the nearest: 'wall'"),
-        (["diff", "OUT", "--ignore", "/wakeup.sleep"], "--ignore '/wakeup.sleep' matches no topic; there are /wakeups"),
+        (["summary", "--pair", "q?"], "--pair 'q?' matches no pairs; choose from: 'arm', 'wall', 'rail' and 3 more"),
+        (["export", "--topic", "/spans", "--pair", "balll"], "--pair 'balll' matches no pairs; similar names: 'ball'"),
+        (["export", "-o", "tables", "--pair", "balll"], "--pair 'balll' matches no pairs; similar names: 'ball'"),
+        (["extract", "-o", "part.mcap", "--pair", "balll"], "--pair 'balll' matches no pairs; similar names: 'ball'"),
+        (["extract", "-o", "part.mcap", "--topic", "/span"], "--topic '/span' matches no topics; choose from /spans"),
+        (["diff", "OUT", "--ignore", "cable*"], "--ignore 'cable*' matches no pairs; similar names: 'wall'"),
+        (
+            ["diff", "OUT", "--ignore", "/wakeup.sleep"],
+            "--ignore '/wakeup.sleep' matches no topics; choose from /wakeups",
+        ),
     ],
 )
 def test_a_filter_that_matches_nothing_exits_2_with_near_names(

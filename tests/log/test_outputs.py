@@ -48,14 +48,14 @@ def refused(arguments: list[str], folder: Path) -> str:
 @pytest.mark.parametrize("command", WRITING)
 def test_an_output_that_cannot_be_is_refused_in_a_line_that_says_what_to_do(made, command):
     for name, told in (
-        (LONG, f"the name has 248 bytes, of which 247 are the most.*{'--junit' if command == 'diff' else '-o'}"),
+        (LONG, f"the name has 248 bytes, but at most 247 fit.*{'--junit' if command == 'diff' else '-o'}"),
         ("é" * 124, "248 bytes"),
         ("x" * 5000, "name"),
         (f"{LONG}{LONG}/x", "File name too long"),
         ("folder", "is a folder"),
         (".", "is a folder"),
         ("/", "is a folder"),
-        ("taken", "taken.partial, where it stands until it is whole, is a folder; remove that"),
+        ("taken", "taken.partial, the place of the unfinished file, is a folder; remove that"),
         ("queue", "not a plain file"),
         ("/dev/full", "not a plain file"),
         ("nowhere/x", "there is no folder nowhere; create it"),
@@ -80,7 +80,7 @@ def test_the_longest_name_and_a_link_to_itself_are_written(made, command):
 def test_an_input_that_is_where_the_partial_would_be_is_not_said_to_be_the_log(made):
     (made / "out.partial").write_text(SPHERES)
     line = refused(["run", "out.partial", "-o", "out"], made)
-    assert "out: would overwrite the input out.partial by way of out.partial" in line
+    assert "out: would overwrite the input out.partial through out.partial" in line
     assert (made / "out.partial").read_text() == SPHERES
 
 
@@ -88,7 +88,7 @@ def test_tables_are_written_like_all_outputs(made):
     for name, told in (
         ("plain", "plain: is not a folder"),
         ("queue", "is not a folder"),
-        ("plain/x", "cannot be made: Not a directory"),
+        ("plain/x", "cannot be created: Not a directory"),
         (LONG + LONG, "File name too long"),
         ("", "expected a name"),
     ):

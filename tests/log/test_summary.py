@@ -242,7 +242,7 @@ def test_a_pair_tells_the_error_of_its_distances_and_a_large_one_is_warned_of():
         (warning,) = doubts([cast(Any, doubted)])
         assert warning.startswith(f"distances of gear | hammer may be wrong by {error} m; ")
     (warning,) = doubts([cast(Any, small), cast(Any, large)])
-    assert "0.0015 m, those of 1 more by less; " in warning
+    assert "0.0015 m; 1 more pair may have a smaller error; " in warning
 
 
 def test_breaches_are_listed_in_time_order():

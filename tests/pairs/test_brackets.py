@@ -48,13 +48,12 @@ def test_a_geneva_pin_whose_least_distance_is_not_found_says_so_in_every_output(
     assert distance["upper"] - distance["lower"] > 0.01 * distance["upper"]
     assert (distance["bracket"], distance["why"]) == ("wide", "search")
     assert distance["help"]
-    why = "more measurements are needed than a pair may take"
+    why = "the search needs more measurements than a pair may take"
     assert re.search(r"^driver \| wheel +clear +\S+ \.\. \S+ m at \S+ s, wide +$", table, re.MULTILINE)
     assert f"wide: the bracket is wider than 1% or 1e-6 m: {why}; {distance['help']}" in table
     closecall_inside("report", "out.mcap", "-o", "page.html", cwd=tmp_path)
     page = (tmp_path / "page.html").read_text()
-    assert f"a wide bracket, because {why}; {distance['help']}" in page
-    assert f"Wide: {why}; {distance['help']}" in page
+    assert page.count(f"ide bracket: {why}; {distance['help']}") == 2
 
 
 def test_a_least_distance_that_is_known_is_not_called_wide(tmp_path):

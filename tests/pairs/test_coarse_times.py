@@ -18,7 +18,10 @@ UNIX_TIME = 1_700_000_000
 TOLERANCE = 64 * 2.0**-22
 """s: floats between 2^30 and 2^31 are 2^-22 apart."""
 
-NOTE = "begins and ends of contacts are told to 1.53e-05 s: floats of time near 1700000004 s are 2.4e-07 s apart"
+NOTE = (
+    "begins and ends of contacts are known to within 1.53e-05 s, "
+    "because floating-point times near 1700000004 s are 2.4e-07 s apart"
+)
 
 
 def scene(folder: Path, settings: str = "") -> Path:

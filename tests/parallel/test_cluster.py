@@ -79,7 +79,7 @@ def test_a_cluster_without_workers_is_told_with_a_remedy(monkeypatch):
     monkeypatch.setattr(workers, "PATIENCE", 0.5)
     with (
         made(LocalCluster, n_workers=0, dashboard_address=":0") as cluster,
-        pytest.raises(WorkerError, match="has no workers; start some with `dask worker ADDRESS`"),
+        pytest.raises(WorkerError, match="the scheduler has no workers; start workers with `dask worker ADDRESS`"),
     ):
         run_shares(cluster.scheduler_address)
 

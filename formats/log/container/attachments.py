@@ -78,26 +78,28 @@ def _require_both_ends(path: Path, file: IO[bytes]) -> None:
         raise LogError(path, "is not an MCAP file", NAME_A_LOG)
     file.seek(-len(magic), os.SEEK_END)
     if file.tell() == 0 or file.read(len(magic)) != magic:
-        remedy = "run it again, or read what is there with `mcap recover`"
-        raise DamagedLogError(path, "is unfinished: the run that wrote it was cut short", remedy)
+        remedy = "run the scene again, or recover what is left with `mcap recover`"
+        raise DamagedLogError(path, "is unfinished: the run that wrote it did not finish", remedy)
 
 
 def _read_indexed(path: Path, file: IO[bytes], index: AttachmentIndex) -> bytes:
     records = RecordFile(path, file)
     record = records.at(index.offset)
     if record.opcode != Opcode.ATTACHMENT or RECORD_HEAD.size + record.length != index.length:
-        raise _damaged(path, f"its index says that {index.name} is where it is not")
+        raise _damaged(path, f"its index has a wrong place for {index.name}")
     try:
         attachment = read_attachment_record(records.body(record))
     except ValueError as error:
         raise _damaged(path, f"the checksum of {index.name} does not match") from error
     if attachment.name != index.name:
-        raise _damaged(path, f"its index says that {index.name} is where it is not")
+        raise _damaged(path, f"its index has a wrong place for {index.name}")
     return attachment.data
 
 
 def _damaged(path: Path, problem: str) -> DamagedLogError:
-    return DamagedLogError(path, f"is damaged: {problem}", "run it again, or read what is there with `mcap recover`")
+    return DamagedLogError(
+        path, f"is damaged: {problem}", "run the scene again, or recover what is left with `mcap recover`"
+    )
 
 
 def _foreign(path: Path) -> LogError:

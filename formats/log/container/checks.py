@@ -120,17 +120,17 @@ class FactChecks:
         if known is None:
             self._add_pair(message.pair_id, told)
         elif told != known:
-            raise FactError(f"pair {message.pair_id} is {quoted(told[0])}, and {quoted(known[0])} elsewhere")
+            raise FactError(f"pair {message.pair_id} has two names, {quoted(told[0])} and {quoted(known[0])}")
 
     def _add_pair(self, pair_id: int, told: tuple[str, str, str]) -> None:
         pair, *names = told
         if pair_id >= self._bodies * (self._bodies - 1) // 2:
-            raise FactError(f"pair {pair_id} is none of {self._bodies} bodies")
+            raise FactError(f"pair {pair_id} does not exist among {self._bodies} bodies")
         if pair != "|".join(names) or not all(names) or names[0] == names[1]:
             raise FactError(f"pair {quoted(pair)} is not {quoted(names[0])} and {quoted(names[1])}")
         for body, name in zip(bodies_of_pair(pair_id, self._bodies), names, strict=True):
             if self._names.setdefault(body, name) != name or self._indices.setdefault(name, body) != body:
-                raise FactError(f"body {body} is {quoted(name)}, and another elsewhere")
+                raise FactError(f"body {body} has two names, one of them {quoted(name)}")
         self._pairs[pair_id] = told
 
 
@@ -159,7 +159,7 @@ def _place(name: str, point: Any) -> None:
 def _places(name: str, points: Iterable[Any]) -> None:
     rows = np.array([(point.x, point.y, point.z) for point in points], dtype=np.float64)
     if rows.size and not np.abs(rows).max() <= MOST_METRES:
-        raise FactError(f"{name} are beyond {MOST_METRES:g} m, or none")
+        raise FactError(f"{name} are beyond {MOST_METRES:g} m or not numbers")
 
 
 def _turn(turn: Any) -> None:
@@ -196,7 +196,7 @@ def _update(message: Any) -> None:
     for entity in message.entities:
         for line in entity.lines:
             if len(line.points) < 2:
-                raise FactError("a line is without two ends")
+                raise FactError("a line has fewer than two points")
             _places("points", line.points)
         for mesh in entity.triangles:
             _pose(mesh.pose)

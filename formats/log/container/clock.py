@@ -39,5 +39,5 @@ def coarseness_told(tolerance: float, start: float, end: float) -> str:
     if not Settings().contact_tolerance < tolerance <= least_duration(start, end):
         return ""
     latest = max(abs(start), abs(end))
-    spacing = f"floats of time near {seconds_told(latest)} s are {ulp(latest):.2g} s apart"
-    return f"begins and ends of contacts are told to {tolerance:.3g} s: {spacing}"
+    spacing = f"floating-point times near {seconds_told(latest)} s are {ulp(latest):.2g} s apart"
+    return f"begins and ends of contacts are known to within {tolerance:.3g} s, because {spacing}"

@@ -29,7 +29,7 @@ def uncompressed(kind: str, data: bytes, size: int) -> bytes:
         ValueError: for a chunk that is not as it says.
     """
     if kind not in _READERS:
-        raise ValueError(f"a chunk is compressed by {quoted(kind)}, which is not known")
+        raise ValueError(f"a chunk is compressed by {quoted(kind)}, which is unknown")
     pieces: list[bytes] = []
     left = size
     try:
@@ -41,7 +41,7 @@ def uncompressed(kind: str, data: bytes, size: int) -> bytes:
     except (RuntimeError, ValueError, zstandard.ZstdError) as error:
         raise ValueError("a chunk cannot be decompressed") from error
     if left:
-        raise ValueError("a chunk's size is not what it says")
+        raise ValueError("a chunk does not have the size that it states")
     return pieces[0] if len(pieces) == 1 else b"".join(pieces)
 
 

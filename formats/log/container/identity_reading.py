@@ -47,7 +47,7 @@ def read_identity(values: Mapping[str, str]) -> Identity:
     if identity.start > identity.end:
         raise ValueError(f"its end is {identity.end!r} s, before its start at {identity.start!r} s")
     if identity.log_time(identity.start) < 0 or identity.log_time(identity.end) > LATEST_LOG_TIME_NS:
-        raise ValueError(f"its epoch is {identity.epoch} ns, by which log times are not from 0 to 2^63 - 1 ns")
+        raise ValueError(f"its epoch is {identity.epoch} ns, which puts log times outside 0 to 2^63 - 1 ns")
     return identity
 
 

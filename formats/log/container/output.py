@@ -142,7 +142,7 @@ def _require_place(path: Path, option: str) -> None:
     if path.is_dir():
         raise LogError(path, "is a folder", f"name a file in it with {option}")
     if not path.parent.is_dir():
-        raise LogError(path, f"there is no folder {path.parent}", f"create it, or choose another with {option}")
+        raise LogError(path, f"there is no folder {path.parent}", f"create it, or choose another folder with {option}")
     if not os.access(path.parent, os.W_OK | os.X_OK):
         raise LogError(path, f"the folder {path.parent} is not writable", f"choose another with {option}")
 
@@ -151,7 +151,7 @@ def _require_short_name(path: Path, option: str) -> None:
     most = _longest_name(path.parent) - len(PARTIAL)
     length = len(os.fsencode(path.name))
     if length > most:
-        problem = f"the name has {length} bytes, of which {most} are the most, for {PARTIAL} is added for a while"
+        problem = f"the name has {length} bytes, but at most {most} fit, because closecall first writes NAME{PARTIAL}"
         raise LogError(path, problem, f"choose a shorter name with {option}")
 
 
@@ -168,13 +168,13 @@ def _require_plain_file(path: Path, target: Path, option: str) -> None:
         if target == path:
             raise LogError(path, "exists and is not a plain file", f"choose another output with {option}")
         what = "a folder" if target.is_dir() else "not a plain file"
-        problem = f"{target}, where it stands until it is whole, is {what}"
+        problem = f"{target}, the place of the unfinished file, is {what}"
         raise LogError(path, problem, f"remove that, or choose another output with {option}")
 
 
 def _require_other_file(path: Path, target: Path, source: Path, option: str) -> None:
     if target.exists() and source.exists() and target.samefile(source):
-        through = "" if target == path else f" by way of {target}"
+        through = "" if target == path else f" through {target}"
         problem = f"would overwrite the input {source}{through}"
         raise LogError(path, problem, f"choose another output with {option}")
 

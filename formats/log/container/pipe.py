@@ -50,7 +50,7 @@ class Pipe:
     def __init__(self, stream: IO[bytes]) -> None:
         self.path = self.partial = STDOUT
         if stream.isatty():
-            raise LogError(STDOUT, "standard output is a terminal", "pipe it somewhere, or name a file with -o")
+            raise LogError(STDOUT, "standard output is a terminal", "pipe it to a program, or name a file with -o")
         self._stream = stream
 
     def open(self) -> IO[bytes]:
@@ -72,5 +72,5 @@ class Pipe:
         if isinstance(error, BrokenPipeError):
             with suppress(OSError):
                 self._stream.close()
-            return ClosedPipeError(STDOUT, "the reader closed the pipe", "read it to its end")
-        return LogError(STDOUT, f"cannot write: {error.strerror or error}", "mend the reader of the pipe")
+            return ClosedPipeError(STDOUT, "the reader closed the pipe", "make the reader read to the end")
+        return LogError(STDOUT, f"cannot write: {error.strerror or error}", "check the reader of the pipe")

@@ -56,7 +56,7 @@ class DamageError(Exception):
         self.cut = cut
 
 
-# What mcap raises on bytes that are no MCAP, and what a length gone wrong makes of them.
+# The exceptions that mcap raises for bytes that are not MCAP, or for a wrong length.
 DAMAGE = (
     McapError,
     StructError,
@@ -127,7 +127,7 @@ class RecordFile:
             DamageError: where there is none.
         """
         if not len(MCAP0_MAGIC) <= offset <= self.size:
-            raise DamageError(offset, "there is no record")
+            raise DamageError(offset, "no record begins here")
         return self._head(offset)
 
     def body(self, record: Record) -> bytes:
@@ -152,7 +152,7 @@ class RecordFile:
         """
         told = DataEnd.read(read_stream(self.body(data_end))).data_section_crc
         if told not in (0, crc):
-            raise DamageError(0, "the checksum of the whole does not match: not the facts, but an index or a file")
+            raise DamageError(0, "the checksum of the file does not match: an index or an attached file is damaged")
         self.require_index(data_end.end)
 
     def require_index(self, begins: int | None = None) -> None:
@@ -167,25 +167,25 @@ class RecordFile:
         magic = self.size - len(MCAP0_MAGIC)
         offset = magic - RECORD_HEAD.size - _FOOTER_BYTES
         if offset < len(MCAP0_MAGIC) or self._bytes(magic, len(MCAP0_MAGIC)) != MCAP0_MAGIC:
-            raise DamageError(self.size, "it ends in its index, its facts are whole", cut=True)
+            raise DamageError(self.size, "the file ends in its index, but the facts are complete", cut=True)
         footer = self._bytes(offset, RECORD_HEAD.size + _FOOTER_BYTES)
         opcode, length, index, _, told = _FOOTER.unpack(footer)
         start = index or offset  # 0 where there is no index
         crc = zlib.crc32(footer[:-_CRC_BYTES], self._crc_between(start, offset, 0))
         misplaced = begins not in (None, start) or not 0 <= start <= offset
         if (opcode, length) != (Opcode.FOOTER, _FOOTER_BYTES) or misplaced or told not in (0, crc):
-            raise DamageError(start, "its index is damaged, its facts are whole")
+            raise DamageError(start, "the index is damaged, but the facts are complete")
 
     def _head(self, offset: int) -> Record:
         head = self._bytes(offset, RECORD_HEAD.size)
         if len(head) < RECORD_HEAD.size:
-            raise DamageError(self.size, "the run that wrote it was cut short", cut=True)
+            raise DamageError(self.size, "the run that wrote it did not finish", cut=True)
         opcode, length = RECORD_HEAD.unpack(head)
         record = Record(opcode, offset, length)
         if opcode not in _OPCODES or opcode == Opcode.FOOTER or (opcode == Opcode.DATA_END and length != _CRC_BYTES):
-            raise DamageError(offset, "what follows is no record")
+            raise DamageError(offset, "no valid record begins here")
         if record.end > self.size:
-            raise DamageError(offset, "it ends in the middle of a record", cut=True)
+            raise DamageError(offset, "the file ends inside a record", cut=True)
         return record
 
     def _crc_between(self, start: int, end: int, crc: int) -> int:
@@ -224,7 +224,7 @@ def chunk_content(body: bytes) -> bytes:
         raise ValueError(f"a chunk of {size} bytes is too large")
     data = uncompressed(chunk.compression, chunk.data, size)
     if chunk.uncompressed_crc not in (0, zlib.crc32(data)):
-        raise ValueError("a chunk's checksum does not match")
+        raise ValueError("the checksum of a chunk does not match")
     return data
 
 

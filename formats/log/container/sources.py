@@ -52,13 +52,13 @@ class Sources:
     def add_schema(self, schema: Schema) -> None:
         """Take note of a schema."""
         if self._schemas.setdefault(schema.id, schema) != schema:
-            self._doubt(f"schema {schema.id} is told twice, not the same")
+            self._doubt(f"schema {schema.id} has two different definitions")
 
     def add_channel(self, channel: Channel) -> None:
         """Take note of a channel; its schema comes first."""
         if channel.id in self._channels:
             if self._channels[channel.id] != channel:
-                self._doubt(f"channel {channel.id} is told twice, not the same")
+                self._doubt(f"channel {channel.id} has two different definitions")
             return
         self._channels[channel.id] = channel
         kind = self._kind(channel)
@@ -75,7 +75,9 @@ class Sources:
         right = (kind.DESCRIPTOR.full_name, SchemaEncoding.Protobuf, MessageEncoding.Protobuf)
         for one, other in zip(told, right, strict=True):
             if one != other:
-                self._doubt(f"topic {quoted(channel.topic)} is of {quoted(one or 'no schema')}, expected {other}")
+                self._doubt(
+                    f"topic {quoted(channel.topic)} has the type {quoted(one or 'no schema')}, expected {other}"
+                )
                 return None
         return kind
 

@@ -43,12 +43,14 @@ def require_comparable(golden: Found, new: Found, new_path: Path, rules: Rules) 
         covered, whole = (
             f"[{seconds_told(low, 7)}, {seconds_told(high, 7)}] s" for low, high in ((new_start, new_end), (start, end))
         )
-        problem = f"covers {covered}, and the golden log {whole}"
-        raise LogError(new_path, f"cannot be compared: it {problem}", "compare runs of one time")
+        problem = f"covers {covered}, but the golden log covers {whole}"
+        raise LogError(new_path, f"cannot be compared: it {problem}", "compare runs over the same time")
     before, after = _by_bodies(golden), _by_bodies(new)
     lossy = golden.loss is not None or new.loss is not None
     if before and after and not before.keys() & after.keys() and not lossy:
-        raise LogError(new_path, "cannot be compared: the two logs have no pair in common", "compare runs of one scene")
+        raise LogError(
+            new_path, "cannot be compared: the two logs have no pair in common", "compare runs of the same scene"
+        )
 
 
 def differences(golden: Found, new: Found, rules: Rules) -> Iterator[Difference]:
@@ -83,7 +85,7 @@ def notes(golden: Found, new: Found) -> Iterator[str]:
     names, new_names = _bodies(golden), _bodies(new)
     gone, come = names - new_names, new_names - names
     if len(gone) == len(come) == 1:
-        yield f"body {gone.pop()} is gone and {come.pop()} is new: renamed?"
+        yield f"body {gone.pop()} is missing and {come.pop()} is new: was it renamed?"
 
 
 def _only(cause: Cause, pair: PairSummary, unlisted: bool, rules: Rules) -> Iterator[Difference]:

@@ -46,7 +46,7 @@ def junit(comparison: Comparison, golden: Path, new: Path) -> str:
             ElementTree.SubElement(case, "failure", type=cause, message=lines[0]).text = "\n".join(lines)
     for loss in comparison.losses:
         case = ElementTree.SubElement(
-            suite, "testcase", classname=printable(new.name), name=printable(f"{loss.path.name} is whole")
+            suite, "testcase", classname=printable(new.name), name=printable(f"{loss.path.name} is complete")
         )
         ElementTree.SubElement(case, "error", type="damaged", message=printable(str(loss)))
     suites = ElementTree.Element("testsuites")

@@ -156,7 +156,9 @@ def _make(folder: Path) -> None:
     except FileExistsError as error:
         raise LogError(folder, "is not a folder", "choose another with -o") from error
     except OSError as error:
-        raise LogError(folder, f"cannot be made: {error.strerror or error}", "choose another folder with -o") from error
+        raise LogError(
+            folder, f"cannot be created: {error.strerror or error}", "choose another folder with -o"
+        ) from error
 
 
 def chosen_tables(choice: Choice) -> list[Table]:

@@ -167,10 +167,12 @@ class Viewer:
         remarks = []
         if self._entities.boxed:
             drawn = f"{self._entities.boxed} bodies are drawn as boxes"
-            remarks.append(f"{drawn}: --viz-triangles is too low to show all")
+            remarks.append(f"{drawn}: --viz-triangles is too low to draw all bodies")
         if self._entities.crowd is not None:
             drawn = f"{len(self._entities.crowd)} moving bodies are drawn as boxes on {self._boxes.name}"
-            remarks.append(f"{drawn}, without frames on {self._tf.name}: viewers cannot bear more than {_MOST_FRAMES}")
+            remarks.append(
+                f"{drawn}, without frames on {self._tf.name}: viewers do not handle more than {_MOST_FRAMES}"
+            )
         return remarks
 
     def _told(self, snapshot: Snapshot, stamp: Timestamp) -> bytes:
