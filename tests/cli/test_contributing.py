@@ -152,6 +152,25 @@ def test_files_that_the_glossary_and_architecture_name_exist() -> None:
         assert [place for place in places if not (ROOT / place).exists()] == []
 
 
+def test_names_that_the_guarantees_cite_exist() -> None:
+    """Classes with their members, functions and constants, as `Pair.depth`, `spendable` or `DISTANCE_ERROR`."""
+    text = (ROOT / "docs" / "guarantees.md").read_text(encoding="utf-8")
+    sources = [
+        path.read_text(encoding="utf-8")
+        for top in ("scheduler", "formats", "cli")
+        for path in (ROOT / top).rglob("*.py")
+    ]
+    members = set(re.findall(r"`([A-Z]\w+)\.(\w+)`", text))
+    assert len(members) > 15
+    for name, member in members:
+        homes = [source for source in sources if re.search(rf"^class {name}\b", source, re.MULTILINE)]
+        assert any(re.search(rf"\b{member}\b", source) for source in homes), f"{name}.{member}"
+    constants = set(re.findall(r"`(_?[A-Z][A-Z_]{4,})`", text))
+    assert len(constants) > 15
+    for name in constants - {"CONTACT", "BREACH", "CLEAR", "UNRESOLVED", "POSSIBLE", "START"}:
+        assert any(re.search(rf"\b{name}\b", source) for source in sources), name
+
+
 def test_each_topic_has_a_type() -> None:
     assert set(TYPES) == set(TOPICS)
 
