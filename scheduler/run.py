@@ -1,4 +1,8 @@
-"""The scheduling scheme: the loop of the source lecture, section 1.3."""
+"""The scheduling scheme: conservative advancement, by the loop of the lecture, section 1.3 (see docs/glossary.md).
+
+Pairs sleep for a lower bound on their time to collision (Mirtich 1996; C2A). Windows of many bodies are certificates of
+a kinetic data structure in the same queue (Basch, Guibas, Hershberger 1997).
+"""
 
 from __future__ import annotations
 
