@@ -67,6 +67,14 @@ def test_what_is_wrong_with_a_scene_or_an_option_is_a_line(project, pytester):
     assert "Traceback" not in failed
 
 
+@pytest.mark.parametrize("word", ["--fail-on=contact", "--json", "--output=other.mcap", "--verbose"])
+def test_an_option_that_could_do_nothing_in_a_test_is_refused(project, pytester, word):
+    (project / "test_scenes.py").write_text(TEST.replace('"scene.yaml")', f'"scene.yaml", "{word}")'))
+    failed = run_pytest(pytester, "--closecall-update").stdout
+    assert f"No such option '{word.partition('=')[0]}'" in failed
+    assert "1 failed, 1 passed" in failed
+
+
 def test_the_plugin_costs_nothing_until_it_is_asked_for():
     setup = tomllib.loads((ROOT / "pyproject.toml").read_text())
     assert setup["project"]["entry-points"]["pytest11"] == {"closecall": PLUGIN}
