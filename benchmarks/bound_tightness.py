@@ -22,7 +22,7 @@ from closecall.scheduler.kinematics.chain import Chain, ChainState, Joint, Part
 from closecall.scheduler.model.extent import Ball, Extent
 from closecall.scheduler.motions import Motion
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "helpers"))
+sys.path.extend(str(Path(__file__).resolve().parent.parent / name) for name in ("tests", "tests/helpers"))
 from drawn_motions import KINDS, constant, interval, random_rest, screw, swing, vector
 
 SAMPLES = 200

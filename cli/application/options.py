@@ -153,9 +153,10 @@ class RunOptions:
         """Store a whole number of any integral type as an int."""
         value = getattr(self, name)
         whole = isinstance(value, Integral) and not isinstance(value, bool)
-        within = whole and (least is None or least <= value) and (most is None or value <= most)
+        number = int(value) if whole else 0
+        within = whole and (least is None or least <= number) and (most is None or number <= most)
         self._require(name, within, wanted)
-        self._put(name, int(value))
+        self._put(name, number)
 
     def _require(self, name: str, fits: bool, wanted: str) -> None:
         if not fits:

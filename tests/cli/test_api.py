@@ -8,6 +8,7 @@ import sys
 from dataclasses import fields
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import click
 import numpy as np
@@ -143,8 +144,9 @@ WRONG = [
 def test_an_option_that_cannot_be_is_an_exception_that_names_it(
     scene: Path, tmp_path: Path, name: str, value: object, problem: str
 ) -> None:
+    changes: dict[str, Any] = {name: value}
     with pytest.raises(api.OptionError) as caught:
-        api.run(scene, tmp_path / "out.mcap", **{name: value})
+        api.run(scene, tmp_path / "out.mcap", **changes)
     assert caught.value.option == name
     assert caught.value.problem.startswith(problem)
     assert str(caught.value) == f"{name}: {caught.value.problem}"

@@ -31,8 +31,11 @@ def docstrings() -> list[tuple[str, str]]:
         for path in sorted((ROOT / "scheduler").rglob("*.py"))
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
     ]
-    documented = ast.Module | ast.ClassDef | ast.FunctionDef
-    return [(file, ast.get_docstring(node) or "") for file, node in nodes if isinstance(node, documented)]
+    return [
+        (file, ast.get_docstring(node) or "")
+        for file, node in nodes
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef)
+    ]
 
 
 @pytest.mark.parametrize(

@@ -35,7 +35,7 @@ FEW = settings(
     suppress_health_check=[*SLOW, HealthCheck.function_scoped_fixture],
 )
 
-SAMPLES = sorted((SAMPLES).glob("*/scene.yaml"))
+SCENES = sorted(SAMPLES.glob("*/scene.yaml"))
 
 SEEDS = st.integers(0, 2**64 - 1)
 """Of random.Random: drawing each choice through hypothesis would take ten times as long."""
@@ -46,7 +46,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """A folder with the files that drawn scenes and the samples name, and a limit on memory."""
     folder = tmp_path_factory.mktemp("fuzz")
     write_files(folder)
-    for file in (file for sample in SAMPLES for file in sample.parent.iterdir()):
+    for file in (file for sample in SCENES for file in sample.parent.iterdir()):
         if file.suffix in (".obj", ".stl", ".tum"):
             copy(file, folder)
     with memory_limited():
@@ -129,7 +129,7 @@ def test_nothing_but_located_faults_comes_of_random_text(folder: Path, text: str
 
 
 @FEW
-@given(seed=SEEDS, sample=st.sampled_from(SAMPLES))
+@given(seed=SEEDS, sample=st.sampled_from(SCENES))
 def test_nothing_but_scenes_and_located_faults_come_of_mangled_samples(folder: Path, seed: int, sample: Path) -> None:
     text = mangled(Random(seed), sample.read_text(encoding="utf-8"))
     check_reading(folder, "sample.yaml", text.encode(errors="surrogatepass"))
@@ -164,7 +164,7 @@ def check_seed(folder: Path, seed: int, samples: list[str]) -> tuple[str, bool]:
 def test_nothing_but_scenes_and_located_faults_come_of_a_hundred_thousand_inputs(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    samples = [sample.read_text(encoding="utf-8") for sample in SAMPLES]
+    samples = [sample.read_text(encoding="utf-8") for sample in SCENES]
     counts: Counter[tuple[str, bool]] = Counter()
     began = process_time()
     for done, seed in enumerate(range(FIRST, FIRST + INPUTS), start=1):
