@@ -187,7 +187,7 @@ def test_unwritable_folder_is_refused(tmp_path, monkeypatch):
 
 
 def test_a_name_too_long_for_the_file_system_is_one_line(tmp_path):
-    with pytest.raises(LogError, match=r"247 are the most.*choose a shorter name"):
+    with pytest.raises(LogError, match=r"at most 247 fit.*choose a shorter name"):
         Output(tmp_path / ("x" * 250), [], LOG)
 
 

@@ -107,7 +107,7 @@ def test_what_it_says_of_its_run_at_its_end_is_what_it_says_at_its_start(tmp_pat
     assert log.end is not None
     log.end["settings"] = '{"margin": 1.0}'
     (line,) = told_by_all(tmp_path, log)
-    assert "at its start and at its end are not the same" in line
+    assert "the metadata of the run at its start and at its end differ" in line
 
 
 @pytest.mark.parametrize("topic", SCHEMAS)
@@ -120,7 +120,7 @@ def test_a_topic_of_another_type_is_told_by_every_command(tmp_path, topic):
     ):
         log.schemas[topic] = told
         (line,) = told_by_all(tmp_path, log, *COMMANDS[1::3])
-        assert f"topic '{topic}' is of " in line
+        assert f"topic '{topic}' has the type " in line
         assert "expected" in line
 
 
@@ -238,7 +238,7 @@ def test_a_chunk_that_holds_more_than_it_says_takes_no_memory(monkeypatch, compr
     record = RecordBuilder()
     Chunk(compression.split()[0], data, 0, 0, 0, told).write(record)
     monkeypatch.setattr("guarded.MOST_BYTES", 2**28)
-    with memory_limited(), pytest.raises(ValueError, match="size is not what it says"):
+    with memory_limited(), pytest.raises(ValueError, match="does not have the size that it states"):
         chunk_content(record.end()[9:])
 
 
@@ -317,8 +317,8 @@ def test_a_summary_that_lacks_a_value_is_an_older_one(carried):
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"time": [0.0, 5.0]}, "of another time"),
-        ({"pairs_total": 7}, "of another time, or of other pairs"),
+        ({"time": [0.0, 5.0]}, "its time or its number of pairs differs"),
+        ({"pairs_total": 7}, "its time or its number of pairs differs"),
         ({"time": [float("inf"), 1]}, "not JSON"),
         ({"pairs": 5}, "pairs is 5"),
     ],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import random
+import re
 import struct
 from pathlib import Path
 
@@ -200,7 +201,7 @@ def test_a_damaged_chunk_is_passed_over_and_the_rest_read(tmp_path, scene, compr
     assert 0 < len(read) < len(times)
     assert loss is not None
     assert (loss.offset, loss.cut, loss.places, loss.read_to) == (chunk.chunk_start_offset, False, 1, None)
-    assert str(loss).startswith(f"{path}: damaged at byte {chunk.chunk_start_offset}: a chunk")
+    assert re.match(f"{re.escape(str(path))}: damaged at byte {chunk.chunk_start_offset}: .*a chunk", str(loss))
 
 
 def test_topics_are_known_by_the_index_where_the_chunk_that_told_of_them_is_lost(tmp_path, scene):
@@ -274,7 +275,7 @@ def test_what_is_wrong_outside_the_facts_is_told_too(tmp_path, scene):
     path = tmp_path / "o.mcap"
     times = written(path, scene, Compression.ZSTD)
     data = path.read_bytes()
-    for phrase, place in (("checksum of the whole", data.index(b"closecall: 1")), ("index", len(data) - 50)):
+    for phrase, place in (("checksum of the file", data.index(b"closecall: 1")), ("index", len(data) - 50)):
         damaged = bytearray(data)
         damaged[place] ^= 1
         path.write_bytes(damaged)

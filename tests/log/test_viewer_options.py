@@ -103,7 +103,7 @@ def test_distances_go_to_one_topic_or_to_one_a_body(scene, topics):
 def test_more_bodies_than_channels_are_refused_for_topics_by_body(scene, monkeypatch):
     monkeypatch.setattr("closecall.formats.log.writer._MOST_BODY_TOPICS", 5)
     loaded = read_scene(scene, ())
-    with pytest.raises(LogError, match="no topic for each of 6 bodies"):
+    with pytest.raises(LogError, match="cannot hold one topic for each of 6 bodies"):
         LogWriter(scene.parent / "many.mcap", loaded, loaded.settings, 0, LogOptions(topics=Topics.BODY))
 
 
