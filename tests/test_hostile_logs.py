@@ -68,6 +68,8 @@ def told_by_all(folder: Path, log: MadeLog, *commands: list[str]) -> set[str]:
         ("settings", '{"margin": NaN}'),
         ("settings", '{"margin": "1"}'),
         ("settings", "[" * 100_000),
+        ("settings", '{"margin": 1%s}' % ("0" * 400)),
+        ("exists", '{"arm": 1%s}' % ("0" * 400)),
         ("chord_errors", "[]"),
         ("chord_errors", '{"arm": -1}'),
         ("chord_errors", '{"arm": 1e308}'),
@@ -265,7 +267,7 @@ def places(value: Any, where: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
     return [where, *(place for key, one in inner for place in places(one, (*where, key)))]
 
 
-@pytest.mark.parametrize("other", [True, -1, 1e308, "x", [], {}, [None], 2**70])
+@pytest.mark.parametrize("other", [True, -1, 1e308, "x", [], {}, [None], 2**70, 10**400])
 def test_a_summary_is_one_in_each_of_its_values(carried, other):
     text = json.dumps(carried)
     assert as_summary(text.encode()) == carried
