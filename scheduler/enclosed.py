@@ -219,7 +219,8 @@ class _Rule:
         if len(both):
             self._refuse_crossing(pairs[both[0]], "spaces that it winds around both ways")
         if not ((windings > 1.0) | (windings < 0.0)).any():
-            return len(pairs) < len(meetings)  # where it only touches itself it is as if it did not
+            unknown = np.isnan(around_it).all(axis=1).any()
+            return bool(unknown) or len(pairs) < len(meetings)  # where it only touches itself it is as if it did not
         place, which = np.nonzero(around_it == 0.0)
         closed = place[~around.open(samples[place, which])]
         if len(closed):

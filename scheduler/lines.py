@@ -114,7 +114,8 @@ class Surroundings:
 
     def __init__(self, corners: FloatArray) -> None:
         """Take the skin's corners (m, 3, 3) m, normals outwards."""
-        self._corners = corners
+        self._origin = corners[0, 0]  # of all that is looked at: how far away a mesh is does not count
+        self._corners = corners - self._origin
         self._lines: list[Lines] = []
 
     def _along(self, direction: int) -> Lines:
@@ -124,18 +125,18 @@ class Surroundings:
 
     def windings(self, points: FloatArray) -> FloatArray:
         """Return (k,) how often the skin winds around points (k, 3) m; nan where none of the lines can tell."""
-        found = np.full(len(points), np.nan)
+        placed, found = points - self._origin, np.full(len(points), np.nan)
         for direction in range(DIRECTIONS):
             left = np.flatnonzero(np.isnan(found))
             if not len(left):
                 break
-            found[left] = self._along(direction).meet(points[left]).winding
+            found[left] = self._along(direction).meet(placed[left]).winding
         return found
 
     def open(self, points: FloatArray) -> NDArray[np.bool_]:
         """Tell from which points (k, 3) m a path is found that leads away and never meets the skin."""
         free = np.zeros(len(points), dtype=bool)
-        frontier, origins = points, np.arange(len(points))
+        frontier, origins = points - self._origin, np.arange(len(points))
         for _ in range(BENDS):
             steps, lengths, starts = [], [], []
             for direction in range(DIRECTIONS):

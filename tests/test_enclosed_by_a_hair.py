@@ -43,6 +43,13 @@ def test_a_skin_that_closes_a_room_by_crossing_itself_by_a_hair_is_refused(overl
         inside(moved(mesh, Rotation.random(rng=np.random.default_rng(seed)).as_matrix(), (0.1, 0.2, 0.3)), [])
 
 
+@pytest.mark.parametrize("away", [0.0, 1e12, 1e14])
+def test_a_skin_that_closes_a_room_by_crossing_itself_is_refused_however_far_away_it_lies(away: float) -> None:
+    (points, triangles), _ = pot_with_lid(0.5)
+    with pytest.raises(UndecidedError, match="crosses itself"):
+        inside((points + away, triangles), [])
+
+
 @pytest.mark.parametrize("gap", [1e-1, 1e-5, 1e-9])
 def test_a_room_that_a_hair_leaves_open_is_outside(gap: float) -> None:
     mesh, room = pot_with_lid(-gap)

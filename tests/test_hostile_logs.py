@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from os import SEEK_CUR
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -14,11 +15,14 @@ from cli_process import closecall_inside
 from guarded import memory_limited
 from made_logs import SCHEMAS, MadeLog, sound_log
 from mcap.data_stream import RecordBuilder
+from mcap.opcode import Opcode
 from mcap.records import Chunk
+from mcap.writer import MCAP0_MAGIC
 
 from closecall.formats.log.carried import OlderSummaryError, SummaryError, as_summary
 from closecall.formats.log.found import fold, read_found
-from closecall.formats.log.records import chunk_content
+from closecall.formats.log.reader import LogReader
+from closecall.formats.log.records import RECORD_HEAD, chunk_content
 
 COMMANDS = (
     ["summary", "log.mcap"],
@@ -66,6 +70,8 @@ def told_by_all(folder: Path, log: MadeLog, *commands: list[str]) -> set[str]:
         ("settings", '{"margin": NaN}'),
         ("settings", '{"margin": "1"}'),
         ("settings", "[" * 100_000),
+        ("settings", '{"margin": 1%s}' % ("0" * 400)),
+        ("exists", '{"arm": 1%s}' % ("0" * 400)),
         ("chord_errors", "[]"),
         ("chord_errors", '{"arm": -1}'),
         ("chord_errors", '{"arm": 1e308}'),
@@ -234,6 +240,22 @@ def test_a_chunk_that_holds_more_than_it_says_takes_no_memory(monkeypatch, compr
         chunk_content(record.end()[9:])
 
 
+@pytest.mark.parametrize("opcode", [Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE, Opcode.CHUNK])
+def test_a_record_of_gigabytes_that_takes_no_room_on_a_disk_is_passed_over_without_memory(tmp_path, opcode):
+    data, size = sound_log(Random(1)).bytes(), 2**33
+    head = len(MCAP0_MAGIC) + RECORD_HEAD.size  # of the first record
+    begins = head + int.from_bytes(data[head - 8 : head], "little")
+    with (tmp_path / "log.mcap").open("wb") as file:
+        file.write(data[:begins] + RECORD_HEAD.pack(opcode, size))
+        file.seek(size, SEEK_CUR)  # a hole
+        file.write(data[begins:])
+    (tmp_path / "sound.mcap").write_bytes(data)
+    with memory_limited(), LogReader(tmp_path / "log.mcap") as log, LogReader(tmp_path / "sound.mcap") as sound:
+        assert list(log.messages()) == list(sound.messages())
+        assert log.loss is not None
+        assert (log.loss.offset, log.loss.problem) == (begins, f"a record of {size} bytes is too large")
+
+
 @pytest.mark.parametrize("compression", ["", "zstd", "lz4", "lz4 without size"])
 @pytest.mark.parametrize("size", [0, 1, 2**20 - 1, 2**20, 2**20 + 1, 20_000_000])
 def test_a_chunk_comes_back_as_it_was(compression, size):
@@ -263,7 +285,7 @@ def places(value: Any, where: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
     return [where, *(place for key, one in inner for place in places(one, (*where, key)))]
 
 
-@pytest.mark.parametrize("other", [True, -1, 1e308, "x", [], {}, [None], 2**70])
+@pytest.mark.parametrize("other", [True, -1, 1e308, "x", [], {}, [None], 2**70, 10**400])
 def test_a_summary_is_one_in_each_of_its_values(carried, other):
     text = json.dumps(carried)
     assert as_summary(text.encode()) == carried

@@ -245,7 +245,11 @@ class LogReader:
             for record in self._records.heads():
                 self._offset = record.offset
                 if record.opcode in _MESSAGE_OPCODES:
-                    body = self._records.body(record)
+                    try:
+                        body = self._records.body(record)
+                    except DamageError as error:
+                        self._add_fault(error)
+                        continue
                     crc = zlib.crc32(body, zlib.crc32(RECORD_HEAD.pack(record.opcode, record.length), crc))
                     yield record, body
                 elif record.opcode != Opcode.DATA_END:

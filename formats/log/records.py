@@ -31,6 +31,9 @@ _CRC_BYTES = 4
 # Uncompressed. Larger chunks are refused: the writer's are 512 KiB, but for one with all meshes of a scene.
 MOST_CHUNK_BYTES = 512 * 2**20
 
+# Of a record that is no file: such a chunk, with what compression adds where it finds nothing, and its head.
+MOST_RECORD_BYTES = MOST_CHUNK_BYTES + MOST_CHUNK_BYTES // 128 + 2**16
+
 # So much is read at a time of what nobody asked for.
 _PIECE_BYTES = 2**20
 
@@ -128,7 +131,13 @@ class RecordFile:
         return self._head(offset)
 
     def body(self, record: Record) -> bytes:
-        """Return what a record holds."""
+        """Return what a record holds.
+
+        Raises:
+            DamageError: for one that is no file and larger than any may be: a file with holes holds it in no room.
+        """
+        if record.length > MOST_RECORD_BYTES and record.opcode != Opcode.ATTACHMENT:
+            raise DamageError(record.offset, f"a record of {record.length} bytes is too large")
         return self._bytes(record.body, record.length)
 
     def checksum(self, record: Record, before: int) -> int:

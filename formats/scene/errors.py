@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from difflib import get_close_matches
+from sys import float_info
 
 Where = tuple[str | int, ...]
 """The keys and list indices that lead from the root of a scene to one of its values."""
@@ -100,7 +101,7 @@ def quoted(value: object) -> str:
         return "a mapping"
     if isinstance(value, tuple):
         return "a list"
-    if isinstance(value, int | float):
+    if isinstance(value, float) or (isinstance(value, int) and abs(value) <= float_info.max):
         return repr(value if abs(value) < _LONGEST_EXACT else float(value)).removesuffix(".0")
     text = str(value)
     return repr(text if len(text) <= _LONGEST_QUOTE else text[:_LONGEST_QUOTE] + "...")
