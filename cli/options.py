@@ -21,9 +21,6 @@ if TYPE_CHECKING:
 #: Verdicts on which a run can fail.
 FINDINGS = ("contact", "breach", "unresolved", "possible")
 
-#: Units that a length on the command line can have.
-LENGTH_UNITS = ("m", "cm", "mm", "um", "in", "ft")
-
 DEFAULTS = RunOptions()
 
 AnyFunction = TypeVar("AnyFunction", bound=Callable[..., Any])
@@ -82,13 +79,14 @@ class _Length(click.types.FloatParamType):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Return the length in m; a default is one already."""
         from ..formats.scene.quantities.lengths import read_length
+        from ..formats.scene.quantities.units import METRES
 
         if isinstance(value, float):
             return value
         try:
             length = read_length(value)
         except ValueError:
-            self.fail(f"expected a length such as 2mm (units: {', '.join(LENGTH_UNITS)}), got {value!r}.", param, ctx)
+            self.fail(f"expected a length such as 2mm (units: {', '.join(METRES)}), got {value!r}.", param, ctx)
         if length < 0.0:
             self.fail(f"expected 0 or more, got {value!r}.", param, ctx)
         return length
