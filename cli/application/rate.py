@@ -15,7 +15,7 @@ def snapshot_rate(seconds: float, asked: float | None) -> float:
     """Return the rate (Hz) of snapshots over a run of so many seconds.
 
     Raises:
-        OptionError: where the rate that is asked for makes more than `MOST_ASKED`.
+        OptionError: for a rate that makes more than `MOST_ASKED` snapshots.
     """
     if asked is None:
         return min(max(USUAL_RATE, LEAST_SNAPSHOTS / seconds), MOST_SNAPSHOTS / seconds)

@@ -14,7 +14,7 @@ LOOKAHEAD = 4.0
 
 
 class Proof(NamedTuple):
-    """What is certain of the time between two measurements.
+    """Bounds on the time between two measurements.
 
     Attributes:
         clearance: m, lower bound on the distance; touching is excluded where it is > 0.

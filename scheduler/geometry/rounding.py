@@ -1,4 +1,4 @@
-"""What a bound gives away to the rounding of its own arithmetic."""
+"""The share of a bound that covers the rounding of its own arithmetic."""
 
 from __future__ import annotations
 

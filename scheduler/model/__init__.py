@@ -1,1 +1,1 @@
-"""What a run is about and what it says: bodies, rules, events."""
+"""The subject of a run and its events: bodies, rules, verdicts."""

@@ -1,6 +1,6 @@
 """A share of a scene's pairs.
 
-What is known of a pair depends on its own measurements alone, so each share runs alone.
+Each pair depends on its own measurements alone, so each share runs alone.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What keyed translations and rotations share: intervals of the keys' time, and sums over whole segments."""
+"""Intervals of the keys' time and sums over whole segments, for keyed translations and rotations."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What is known of one pair, and when it wakes."""
+"""The state of one pair, and its next wakeup."""

@@ -18,7 +18,7 @@ from .separation import SeparationSleep, Tuning
 from .span_record import Cleared, SpanRecord
 from .step_floor import StepFloor
 
-#: The bounds that lose little of a separation: motion along them costs nothing.
+#: The bounds that lose little of a separation: motion along them does not close the gap.
 SLABS = frozenset({Bound.SPHERE_SLABS, Bound.BODY_SLAB, Bound.TRIANGLE_SLABS})
 #: From its clear side a bracket is walked by the bounds, but in steps no smaller than this share of it.
 BRACKET_SHARE = 1.0 / 8.0
@@ -36,7 +36,7 @@ class Plan(NamedTuple):
 
 
 class Finding(NamedTuple):
-    """What is decided of the time between two measurements.
+    """The decision on the time between two measurements.
 
     Attributes:
         verdict: of the whole time.

@@ -1,4 +1,4 @@
-"""What has been decided of a pair, stretch by stretch; neighbours of one verdict make up a span."""
+"""The decided stretches of a pair; neighbours of one verdict make up a span."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What travels between processes: the work, and long streams of events."""
+"""Serialisation between processes: the work, and long streams of events."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What viewers show at an instant; proves nothing."""
+"""The scene at an instant, for viewers; no part of the certificate."""

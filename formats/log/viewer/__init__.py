@@ -1,1 +1,1 @@
-"""What viewers show of a run: bodies, their motion, clearances, contacts, and the layout that opens them."""
+"""Pictures of a run for viewers: bodies, their motion, clearances, contacts, and the layout that opens them."""
