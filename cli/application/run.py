@@ -133,15 +133,15 @@ def log_options(options: RunOptions) -> LogOptions:
 
 def _run_here(work: Work, options: RunOptions) -> Told:
     """Run the scene in this process."""
-    pairing = PairFactory(work.scene, NarrowPhase(work.scene.bodies), work.settings.margin)
-    pairs = () if work.crowded else tuple(pairing.all())
-    crowd = ActivePairs(pairing, work.settings, BroadPhase(work.scene, Sweeps(pairing))) if work.crowded else None
+    factory = PairFactory(work.scene, NarrowPhase(work.scene.bodies), work.settings.margin)
+    pairs = () if work.crowded else tuple(factory.all())
+    crowd = ActivePairs(factory, work.settings, BroadPhase(work.scene, Sweeps(factory))) if work.crowded else None
     events = schedule(pairs, work.settings, crowd)
     viewer = _viewer_options(options)
     if viewer is not None:
-        observer = observer_of(pairing, None if work.crowded else pairs, viewer.pairs)
+        observer = observer_of(factory, None if work.crowded else pairs, viewer.pairs)
         events = observed(events, observer, _times(work.scene, options), work.settings.time_resolution)
-    return events, lambda: pairing.narrow_phase.seconds
+    return events, lambda: factory.narrow_phase.seconds
 
 
 def _run_by_workers(work: Work, total: int, options: RunOptions, watcher: Watcher) -> Told:

@@ -95,14 +95,14 @@ def _checked(
     from ..application.options import FEW_PAIRS
     from ..application.scenes import counted_pairs, require_few
 
-    pairing = PairFactory(loaded.scene, NarrowPhase(loaded.scene.bodies), loaded.settings.margin)
+    factory = PairFactory(loaded.scene, NarrowPhase(loaded.scene.bodies), loaded.settings.margin)
     loaded, total = counted_pairs(loaded, strict)
     if total > FEW_PAIRS:
-        pairs = tuple(near_at_start(pairing))
+        pairs = tuple(near_at_start(factory))
         margins = {loaded.settings.margin, *(margin for _, margin in loaded.scene.rules.margins)}
     else:
         require_few(loaded, total, max_pairs)
-        pairs = tuple(pairing.all())
+        pairs = tuple(factory.all())
         margins = {pair.margin for pair in pairs}
     return loaded, total, pairs, sorted(margins)
 

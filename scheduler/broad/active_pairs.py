@@ -88,7 +88,7 @@ class ActivePairs:
             yield from monitor.finish()
 
     def _monitor_of(self, a: int, b: int) -> Monitor | None:
-        """Return the watch of a pair that is to enter, made where it never has; None where it is in, or never does."""
+        """Return the monitor of a pair that is to enter, a new one the first time; None for a pair that does not."""
         number = pair_id(a, b, self._bodies)
         if not self._share.has(number) or number in self._inside or number in self._never:
             return None

@@ -114,8 +114,8 @@ def random_scene(seed: int, bodies: int = 30) -> Scene:
 
 
 def crowd_of(scene: Scene) -> ActivePairs:
-    pairing = PairFactory(scene, NarrowPhase(scene.bodies), SETTINGS.margin)
-    return ActivePairs(pairing, SETTINGS, BroadPhase(scene, Sweeps(pairing)))
+    factory = PairFactory(scene, NarrowPhase(scene.bodies), SETTINGS.margin)
+    return ActivePairs(factory, SETTINGS, BroadPhase(scene, Sweeps(factory)))
 
 
 def crowd_events(scene: Scene) -> list[Event]:
@@ -181,7 +181,7 @@ def test_a_crowd_has_the_contacts_and_spans_of_all_its_pairs(seed: int) -> None:
 def test_what_windows_clear_of_a_pair_is_below_its_distance(seed: int) -> None:
     """Spans of an examined pair tile its time; where windows alone cleared it, the clearance holds too."""
     scene = random_scene(seed)
-    pairing = PairFactory(scene, NarrowPhase(scene.bodies), SETTINGS.margin)
+    factory = PairFactory(scene, NarrowPhase(scene.bodies), SETTINGS.margin)
     events = crowd_events(scene)
     spans: dict[int, list[Span]] = {}
     for event in events:
@@ -190,7 +190,7 @@ def test_what_windows_clear_of_a_pair_is_below_its_distance(seed: int) -> None:
     assert spans
     assert any(event.reason is Reason.WINDOW for event in events if isinstance(event, Wakeup))
     for number, told in spans.items():
-        pair = pairing.pair(*bodies_of_pair(number, len(scene.bodies)))
+        pair = factory.pair(*bodies_of_pair(number, len(scene.bodies)))
         assert pair is not None
         told.sort(key=lambda span: span.start)
         assert (told[0].start, told[-1].end) == (pair.start, pair.end)
@@ -230,9 +230,9 @@ def test_the_windows_of_a_body_follow_one_another_and_hold_it(seed: int) -> None
 def test_windows_are_the_same_whoever_makes_them(seed: int) -> None:
     """Whether as they are asked for, or before by others, each some bodies."""
     scene = random_scene(seed)
-    pairing = PairFactory(scene, NarrowPhase(scene.bodies), SETTINGS.margin)
-    shares = [Sweeps(pairing, share).all() for share in reversed(shares_of(3))]
-    ticks, told = (list(BroadPhase(scene, source)) for source in (Sweeps(pairing), ToldWindows(Windows.joined(shares))))
+    factory = PairFactory(scene, NarrowPhase(scene.bodies), SETTINGS.margin)
+    shares = [Sweeps(factory, share).all() for share in reversed(shares_of(3))]
+    ticks, told = (list(BroadPhase(scene, source)) for source in (Sweeps(factory), ToldWindows(Windows.joined(shares))))
     assert len(ticks) == len(told) > 10
     for one, other in zip(ticks, told, strict=True):
         assert one.time == other.time
@@ -293,8 +293,8 @@ def test_jumping_bodies_meet_at_the_jump_alone() -> None:
 def test_a_crowds_nearest_pairs_are_those_of_all_its_pairs(seed: int) -> None:
     scene = random_scene(seed)
     narrow_phase = NarrowPhase(scene.bodies)
-    pairing = PairFactory(scene, narrow_phase, SETTINGS.margin)
-    crowd, every = CrowdObserver(pairing, 5), Observer(scene, list(pairing.all()), 5, narrow_phase)
+    factory = PairFactory(scene, narrow_phase, SETTINGS.margin)
+    crowd, every = CrowdObserver(factory, 5), Observer(scene, list(factory.all()), 5, narrow_phase)
     for time in np.linspace(0.0, END, 7).tolist():
         one, other = crowd.at(time, frozenset()), every.at(time, frozenset())
         assert np.array_equal(one.poses, other.poses)
@@ -313,10 +313,10 @@ def test_a_picture_looks_at_no_more_pairs_for_bodies_that_ignore_each_other(alon
     checked = (PairSet(tools, tools),) if alone else (PairSet(tools, tools), PairSet(frozenset({0}), heap))
     scene = Scene(bodies, 0.0, END, PairRules(checked=checked, default=False))
     narrow_phase = NarrowPhase(bodies)
-    pairing = PairFactory(scene, narrow_phase, 0.0)
+    factory = PairFactory(scene, narrow_phase, 0.0)
     asked: list[tuple[int, int]] = []
-    pairing.pair = lambda a, b: asked.append((a, b)) or PairFactory.pair(pairing, a, b)  # type: ignore[method-assign]
-    crowd, every = CrowdObserver(pairing, 10), Observer(scene, list(PairFactory.all(pairing)), 10, narrow_phase)
+    factory.pair = lambda a, b: asked.append((a, b)) or PairFactory.pair(factory, a, b)  # type: ignore[method-assign]
+    crowd, every = CrowdObserver(factory, 10), Observer(scene, list(PairFactory.all(factory)), 10, narrow_phase)
     asked.clear()
     one, other = crowd.at(1.0, frozenset()), every.at(1.0, frozenset())
     assert [rounded(near) for near in one.nearest] == [rounded(near) for near in other.nearest]

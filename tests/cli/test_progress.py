@@ -79,10 +79,10 @@ def test_steps_follow_each_other_and_each_is_done_in_the_end(crowded: bool) -> N
     posts = [Body(f"post{k}", None, at(0.3 * k + 1.0), Fixed(), (box(0.1, 1, 1),)) for k in range(3)]
     scene = Scene((slider, spinner, *posts), 0.0, 3.0, PairRules())
     settings = Settings()
-    pairing = PairFactory(scene, NarrowPhase(scene.bodies), 0.0)
-    pairs = () if crowded else tuple(pairing.all())
-    crowd = ActivePairs(pairing, settings, BroadPhase(scene, Sweeps(pairing))) if crowded else None
-    observer = observer_of(pairing, None if crowded else pairs, 5)
+    factory = PairFactory(scene, NarrowPhase(scene.bodies), 0.0)
+    pairs = () if crowded else tuple(factory.all())
+    crowd = ActivePairs(factory, settings, BroadPhase(scene, Sweeps(factory))) if crowded else None
+    observer = observer_of(factory, None if crowded else pairs, 5)
     events = observed(run(pairs, settings, crowd), observer, snapshot_times(scene, 30.0), settings.time_resolution)
     steps = Steps(0.0, 3.0, HERE)
     told = [(steps.step, steps.share)]

@@ -42,9 +42,9 @@ class Unpacked:
 def told_by_one(scene: Path, crowded: bool) -> list[str]:
     """Return the events of one run of all pairs."""
     loaded = read_scene(scene)
-    pairing = PairFactory(loaded.scene, NarrowPhase(loaded.scene.bodies), loaded.settings.margin)
-    crowd = ActivePairs(pairing, loaded.settings, BroadPhase(loaded.scene, Sweeps(pairing))) if crowded else None
-    return [repr(event) for event in run(() if crowded else pairing.all(), loaded.settings, crowd)]
+    factory = PairFactory(loaded.scene, NarrowPhase(loaded.scene.bodies), loaded.settings.margin)
+    crowd = ActivePairs(factory, loaded.settings, BroadPhase(loaded.scene, Sweeps(factory))) if crowded else None
+    return [repr(event) for event in run(() if crowded else factory.all(), loaded.settings, crowd)]
 
 
 def told_by_shares(scene: Path, crowded: bool, shares: int) -> list[str]:

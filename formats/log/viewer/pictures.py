@@ -34,9 +34,9 @@ class Pictures(NamedTuple):
 
 def pictures(packed_work: bytes, options: ViewerOptions, epoch: int, instants: list[Instant]) -> Pictures:
     """Take pictures of some instants, in any process or thread; `epoch`, ns, is added to every log time."""
-    work, pairing = unpacked(packed_work)
-    before = pairing.narrow_phase.seconds
-    observer = observer_of(pairing, None if work.crowded else tuple(pairing.all()), options.pairs)
+    work, factory = unpacked(packed_work)
+    before = factory.narrow_phase.seconds
+    observer = observer_of(factory, None if work.crowded else tuple(factory.all()), options.pairs)
     viewer = _studio.get((packed_work, options), lambda: Viewer(work.scene, options))
 
     def taken() -> Iterator[Picture]:
@@ -45,4 +45,4 @@ def pictures(packed_work: bytes, options: ViewerOptions, epoch: int, instants: l
             yield Picture(instant.time, [(channel.name, pieces) for channel, pieces in shown])
 
     packed = packed_stream(taken(), _TOGETHER)
-    return Pictures(packed, pairing.narrow_phase.seconds - before)
+    return Pictures(packed, factory.narrow_phase.seconds - before)
